@@ -80,7 +80,6 @@ def section(solid: GearSolid, height: float) -> Polygon:
 # --- hub and set screw -----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
 def test_a_hub_is_a_cylinder_on_the_upper_face_with_the_bore_through_it() -> None:
     solid = made(Blank(WIDTH, Bore(10.0), hub=Hub(24.0, 7.0)))
     expected = pi * (RADIUS**2 - 5.0**2) * WIDTH + pi * (12.0**2 - 5.0**2) * 7.0
@@ -99,7 +98,7 @@ def hole_volume(screw_radius: float, outer: float, inner: float | None, floor: f
     return quad(lambda y: 2.0 * sqrt(screw_radius**2 - y**2) * length(y), -screw_radius, screw_radius)[0]
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(quick=["-143.0"], rest="slow")
 @pytest.mark.parametrize("direction", [0.0, 90.0, -143.0])
 def test_a_set_screw_takes_the_volume_of_crossing_cylinders(direction: float) -> None:
     """The hole ends in the bore's far side nowhere: it is cut out of one side only."""

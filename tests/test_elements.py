@@ -260,7 +260,6 @@ def test_unlike_flanks_are_told_apart() -> None:
     assert np.abs(tip[:, 0] / tip[:, 1] - 1.0).max() > 0.1
 
 
-@pytest.mark.slow
 def test_stress_is_per_module_and_compliance_has_no_size() -> None:
     small, large = (elements_of(circular(20, module), STEEL, MeshSize()) for module in (MODULE, 3.0 * MODULE))
     np.testing.assert_allclose(3.0 * large.tension_mpa, small.tension_mpa, rtol=1e-6)

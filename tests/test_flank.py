@@ -363,6 +363,22 @@ def test_relief_takes_its_amount_off_the_tip_and_nothing_below_its_start(name: s
     assert np.sum(taken * towards, axis=-1)[:, above].min() > 0.0
 
 
+@at_once("relief", [None, RELIEF])
+@at_once("gear", Gear)
+def test_the_curvature_of_a_flank_is_that_of_the_circle_through_three_near_points(
+    relief: TipRelief | None, gear: Gear
+) -> None:
+    """On circular gears, whose rolling curve bends alike everywhere: 4 areas over the product of the sides."""
+    own = flanks("uniform", gear, replace(rack(), relief=relief))
+    number, near = np.arange(2)[:, None, None], np.array([-1e-4, 0.0, 1e-4]) * MODULE
+    height = np.array([-0.4, 0.1, 0.6, 0.8, 0.95])[:, None] * MODULE
+    points = own.flank(number, height + near)[0] @ np.array([1.0, 1.0j])
+    first, second = np.diff(points).transpose(2, 0, 1)
+    twice = np.abs(np.imag(np.conj(first) * second))
+    found = 2.0 * twice / (np.abs(first) * np.abs(second) * np.abs(first + second))
+    assert own.curvature(number[..., 0], height[:, 0]) == pytest.approx(found, rel=1e-4)
+
+
 @pytest.mark.parametrize("gear", Gear)
 def test_relief_begins_tangentially(gear: Gear) -> None:
     own, every = flanks("ellipse", gear, replace(rack(), relief=RELIEF)), np.arange(flanks("ellipse", gear).count)

@@ -29,7 +29,7 @@ from ncgear.optimum.certified.sums import PeakWeights, least_weighted_sum
 from ncgear.optimum.task import Task
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
-from ncgear.wishes.requirements import TimeWithin
+from ncgear.wishes.requirements import EvenSpeed, SpeedWithin, TimeWithin
 from published import AT_SIXTY, BALER_LINKAGE, FIT, OFFSET, PRESS, RPM
 
 pytestmark = pytest.mark.judges("optimum")
@@ -202,6 +202,43 @@ def test_the_uniform_crank_is_within_its_own_limits_and_a_hundredth_less_is_not(
         assert not problem.under(**{name: 0.99 * value}).is_open
 
 
+def test_a_uniform_cranks_speeds_torques_and_energies_are_its_own_and_two_hundredths_less_is_closed() -> None:
+    """By its displacement at ten thousand places: its speed, T = F ds/dphi + m s' s'' w^2, and the integral of T."""
+    speed, mass = 5.0, 60.0
+    task = Task(BALER_LINKAGE, PRESS, speed, masses=BALER_LINKAGE.MASSES(slider_kg=mass))
+    phi = np.linspace(0.0, 2.0 * pi, 10_001)
+    way = BALER_LINKAGE.displacement(Jet.variable(phi, 2))
+    slope, bend = way.derivative(1), way.derivative(2)
+    force = np.where(phi < pi, PRESS.working.force_n(way.value), 0.0)
+    torque = force * slope + mass * slope * bend * speed**2 / 1000.0
+    step = np.diff(phi)
+    energy = np.append(0.0, np.cumsum((torque[1:] + torque[:-1]) / 2.0 * step))
+    beside = energy - energy[-1] * phi / (2.0 * pi)
+    own = {
+        "speed_mm_s": float(np.abs(slope).max()) * speed,
+        "power_w": float(torque.max()) * speed / 1000.0,
+        "braking_w": -float(torque.min()) * speed / 1000.0,
+        "torque_n_mm": float(np.sqrt(np.mean(torque[1:] ** 2))),
+        "fluctuation_n_mm": float(np.ptp(beside)),
+    }
+    ratios = 1.0 - 1e-6, 1.0 + 1e-6
+    assert LimitProblem(task, Demands(*ratios, **{k: v * 1.001 for k, v in own.items()}), cycle(task)).is_open
+    for name, value in own.items():
+        assert not LimitProblem(task, Demands(*ratios, **{name: 0.98 * value}), cycle(task)).is_open, name
+    stretch = CrankStretch(0.7, 1.9)
+    inside = speed * slope[(phi >= 0.7) & (phi <= 1.9)]
+    least, most = float(inside.min()), float(inside.max())
+    for asked, is_open in (
+        (SpeedWithin(stretch, 0.999 * least, 1.001 * most), True),
+        (SpeedWithin(stretch, 1.01 * least, 1.001 * most), False),
+        (SpeedWithin(stretch, 0.999 * least, 0.99 * most), False),
+        (EvenSpeed(stretch, 1.002 * most / least), True),
+        (EvenSpeed(stretch, 0.99 * most / least), False),
+    ):
+        demands = Demands(*ratios, wishes=(WishDemand("wish", asked),))
+        assert LimitProblem(task, demands, cycle(task, at_rad=demands.places_rad)).is_open is is_open, asked
+
+
 def test_no_resistance_needs_no_power() -> None:
     assert least_power(Task(BALER_LINKAGE, NONE, 2.0 * pi), USUAL).value == 0.0
 
@@ -214,6 +251,18 @@ def test_weighted_sum_is_no_more_than_a_scan_of_powers() -> None:
     powers = np.linspace(7000.0, 11000.0, 9).tolist()
     scan = min(weights.per_mm_s2 * acceleration(60.0, power).value + weights.per_w * power for power in powers)
     assert 0.99 * scan < found <= scan * (1.0 + 1e-4)
+
+
+def test_a_weighted_sum_is_enclosed_by_a_scan_of_powers_on_the_same_places() -> None:
+    """No more than any power gives there, and no more than the asked tolerance below the best of them."""
+    weights = PeakWeights(1.0 / 20000.0, 1.0 / 9000.0)
+    scan = min(
+        weights.per_mm_s2 * least_acceleration(AT_SIXTY, replace(USUAL, power_w=power), 72).value
+        + weights.per_w * power
+        for power in np.linspace(8000.0, 8800.0, 5).tolist()
+    )
+    found = least_weighted_sum(AT_SIXTY, USUAL, weights, 72, 0.02).value
+    assert 0.98 * scan * (1.0 - 1e-3) <= found <= scan
 
 
 @pytest.mark.tiers(slow=["*peak_power_w*"], rest="quick")

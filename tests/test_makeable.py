@@ -112,7 +112,7 @@ def task_of(name: str) -> Task:
     return HEAVY if name == "mass" else AT_SIXTY
 
 
-@pytest.mark.tiers(slow=["curvature of dents"], rest="long")
+@pytest.mark.tiers(thorough=["curvature of dents"], rest="long")
 @pytest.mark.parametrize("name", KEPT)
 def test_every_limit_is_kept_by_exact_figures(name: str) -> None:
     wishes, task = KEPT[name], task_of(name)
@@ -353,7 +353,8 @@ def test_other_machines(name: str) -> None:
     assert found.peak_acceleration_mm_s2 >= free.peak_acceleration_mm_s2 * (1.0 - 1e-6)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(quick=["no resistance"], rest="slow")
+@pytest.mark.judges("optimum")
 @pytest.mark.parametrize("name", ["no resistance", "kept negative"])
 def test_least_power_of_other_machines(name: str) -> None:
     """Nothing to press: any law is best, and one is found."""

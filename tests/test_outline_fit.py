@@ -97,6 +97,20 @@ def test_slopes_of_the_conditions_are_those_of_differences() -> None:
             assert told == pytest.approx((after.value - before.value) / (2.0 * step), abs=1e-8)
 
 
+def test_slopes_of_means_over_stretches_are_those_of_differences_on_a_circle() -> None:
+    """There the mean of what is alike all round does not change with its weights."""
+    curve, limits = rolled(lambda phi: np.full_like(phi, 30.0), 48), CurveLimits(share=0.8)
+    way, step = np.ones(48), 1e-5
+    ends = [replace(curve, coefficients=curve.coefficients + sign * step * way) for sign in (1.0, -1.0)]
+    by_module = (ends[0].module_mm - ends[1].module_mm) / (2.0 * step)
+    for one, after, before in zip(*(list(conditions(each, limits)) for each in (curve, *ends)), strict=True):
+        if one.kind.value in ("hollow_own", "hollow_mate"):
+            rows, _, slope = one.slopes()
+            assert rows @ way + by_module * slope == pytest.approx(
+                (after.value - before.value) / (2.0 * step), abs=1e-7
+            )
+
+
 def test_distances_are_those_of_shapely() -> None:
     """Of a square and a circle about its middle, by another program."""
     curve = rolled(lambda phi: 33.0 + 2.0 * np.cos(4.0 * phi))

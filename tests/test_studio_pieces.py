@@ -16,10 +16,11 @@ pytest.importorskip("starlette", reason="python -m pip install 'ncgear[studio]' 
 
 from at_once import at_once
 from drives import loaded
-from ncgear.errors import NoSuchMechanism
+from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.optimum.makeable.wishes import Goal
-from ncgear.studio import server
+from ncgear.studio import drawing, editing, open_page, server
 from ncgear.studio.handles import _factor
+from ncgear.studio.jobs import COMMANDS, Job
 from ncgear.studio.motion_answers import LIVE_POINTS, _thinned
 from ncgear.studio.page import GROUPS, beginnings, start_page
 from ncgear.studio.told import saved
@@ -142,3 +143,121 @@ def test_a_point_moves_its_key_by_the_speed_of_the_law(quantity: str, factor: fl
     """A law at 50 r/min runs at 20: speeds there are 2.5 times those of the machine; a ratio goes by its own value."""
     drive = Fake(law_speed_rpm=50.0, design=Fake(operation=Fake(speed_rpm=20.0)))
     assert _factor(drive, Fake(speed_rpm=None, quantity=quantity, value=1.2), 1.5) == pytest.approx(factor)
+
+
+# --- commands of a page ----------------------------------------------------------------------------------------------
+
+
+def job(**changes: Any) -> Any:
+    values = {"name": "build", "status": 0, "cancelled": False, "begun_s": 0.0, "folder": Path(), "as_plain": {}}
+    return Fake(**values | changes)
+
+
+def test_a_command_waits_for_another_of_its_folder_and_where_two_run_already(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun: list[Any] = []
+    monkeypatch.setattr(open_page, "running_jobs", {})
+    monkeypatch.setattr(open_page, "parsed", lambda text, path: Fake(design=Fake(name="press")))
+
+    async def carried_out(one: Any) -> None:
+        begun.append(one)
+        await ended.wait()
+
+    page: Any = Fake(out=tmp_path, file=Fake(path=None), jobs={}, _carried_out=carried_out, _job_told=lambda one: None)
+    run = open_page.OpenPage._run
+
+    async def asked() -> None:
+        await run(page, "build", "")
+        assert [(one.number, one.name, one.folder) for one in page.jobs.values()] == [(1, "build", tmp_path / "press")]
+        with pytest.raises(WrongInput, match="runs already and writes into press"):
+            await run(page, "build", "")
+        open_page.running_jobs.clear()
+        page.jobs[2] = Fake(name="frontier", status=None)
+        with pytest.raises(WrongInput, match="run already; wait for one"):
+            await run(page, "build", "")
+        page.jobs[2].status = 1
+        await run(page, "build", "")
+        await asyncio.sleep(0.0)
+        ended.set()
+
+    ended = asyncio.Event()
+    asyncio.run(asked())
+    assert [one.number for one in begun] == [1, 3]
+
+
+def test_a_finished_command_has_its_files_and_points_of_a_frontier(tmp_path: Path) -> None:
+    folder = tmp_path / "press"
+    (folder / ".hidden").mkdir(parents=True)
+    for name in ("frontier.json", "a.csv", ".hidden/b.csv", ".c"):
+        (folder / name).write_text('{"points": [1]}')
+    page: Any = Fake(out=tmp_path)
+
+    def told(**changes: Any) -> dict[str, Any]:
+        return open_page.OpenPage._plain(page, job(folder=folder, as_plain={"x": 1}, **changes))
+
+    files = ["press/a.csv", "press/frontier.json"]
+    assert told(name="frontier") == {"x": 1, "files": files, "frontier": {"points": [1]}}
+    assert told(name="build") == {"x": 1, "files": files}
+    assert told(name="frontier", status=None) == told(name="frontier", status=2) == {"x": 1}
+
+
+def test_whole_machines_are_those_that_a_command_wrote_since_it_began(tmp_path: Path) -> None:
+    (tmp_path / "machines.json").write_text('{"machines": []}')
+    written = (tmp_path / "machines.json").stat().st_mtime
+
+    def found(**changes: Any) -> dict[str, Any]:
+        return open_page._machines_of(job(**{"name": "design", "folder": tmp_path, "begun_s": written - 5.0} | changes))
+
+    assert found() == found(status=2, cancelled=True) == {"machines": []}
+    assert found(status=None) == found(status=2) == found(name="build") == found(begun_s=written + 5.0) == {}
+
+
+def test_a_text_over_the_largest_size_is_refused() -> None:
+    page: Any = Fake(history=Fake(now="", kept=lambda text: text))
+    taken: list[str] = []
+
+    async def step(text: str) -> None:
+        taken.append(text)
+
+    page._step = step
+    largest = open_page.LARGEST_MB * 1_000_000
+    asyncio.run(open_page.OpenPage.text(page, {"text": "a" * largest}))
+    assert len(taken[0]) == largest
+    for text in ("a" * (largest + 1), "\u00e4" * (largest // 2 + 1), None):
+        with pytest.raises(WrongInput, match="a text of at most"):
+            asyncio.run(open_page.OpenPage.text(page, {"text": text}))
+
+
+def test_commands_that_write_into_one_folder_are_alike() -> None:
+    one = Job(1, "build", "", "press", Path(), lambda _: None, lines=[str(number) for number in range(500)])
+    assert "build" in one.as_plain["alike"]
+    assert all(COMMANDS[name].out == COMMANDS["build"].out for name in one.as_plain["alike"])
+    assert len(one.as_plain["alike"]) < len(COMMANDS)
+    assert (one.as_plain["running"], one.as_plain["done"], one.as_plain["lines"][-1]) == (True, False, "499")
+    one.status = 0
+    assert (one.as_plain["running"], one.as_plain["done"]) == (False, True)
+    one.status = 2
+    assert (one.as_plain["running"], one.as_plain["done"]) == (False, False)
+
+
+def test_files_of_a_name_that_is_taken_are_numbered_from_two(tmp_path: Path) -> None:
+    assert drawing._placed(tmp_path, "a.dxf", b"1") == (tmp_path / "a.dxf", True)
+    assert drawing._placed(tmp_path, "a.dxf", b"1") == (tmp_path / "a.dxf", False)
+    assert drawing._placed(tmp_path, "a.dxf", b"2") == (tmp_path / "a-2.dxf", True)
+    assert drawing._placed(tmp_path, "a.dxf", b"3") == (tmp_path / "a-3.dxf", True)
+    assert drawing._placed(tmp_path, "a.dxf", b"2") == (tmp_path / "a-2.dxf", False)
+
+
+def test_another_mechanism_has_the_same_crank_and_keeps_what_has_the_same_keys() -> None:
+    text = "linkage: {crank_mm: 80, rod_mm: 200}\nmasses: {slider_kg: 1}\n"
+    yoke = editing._another_mechanism(text, "scotch_yoke")
+    assert yoke["linkage"]["kind"] == "scotch_yoke"
+    assert yoke["linkage"]["crank_mm"] == 80
+    assert yoke["masses"] is None
+    back = editing._another_mechanism(text, "crank_slider")
+    assert "kind" not in back["linkage"]
+    assert back["linkage"]["crank_mm"] == 80
+    assert "masses" not in back
+    none = editing._another_mechanism(text, editing.NO_LINKAGE)
+    assert none["linkage"] is none["masses"] is None

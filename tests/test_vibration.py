@@ -246,7 +246,7 @@ def test_swings_against_another_solver(share: float) -> None:
     assert found.load_factor[0] == pytest.approx(most, rel=1e-3)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_sweep_of_speed() -> None:
     """Far under the critical speeds the mesh bears its load, and most within them or at a part of them; K_V is its
     own at its own speed."""

@@ -25,14 +25,10 @@ PAGE = ROOT / "benchmarks" / "mutants.md"
 """Where survivors of all rooms are kept."""
 
 LONGEST = 3.0
-"""Share of the time of its tests after which a mutation counts as found: it does not end."""
+"""Share of a test's processor time after which a mutation counts as found: it does not end."""
 
 LEAST_S = 20.0
 """Least of that time in s."""
-
-ENOUGH_S = 10.0
-"""Processor time of quick tests, and of thorough ones, that are run on a mutation at most: tests that run little beside
-its line come first, and what they do not find after so long counts as not found."""
 
 
 class Judge:
@@ -59,8 +55,7 @@ class Judge:
         def begin(mutant: Mutant) -> None:
             tests = [test for test in self._asked(mutant, found[mutant]) if test not in no_judges[mutant]]
             if tests:
-                do = partial(self._collected.under, mutant, tests)
-                works.append(Work((mutant, None), do, self._longest_s(tests)))
+                works.append(self._work(mutant, tests, None))
 
         def end(mutant: Mutant, by: str) -> None:
             asked = self._asked(mutant, found[mutant])
@@ -87,8 +82,7 @@ class Judge:
                 # A test that fails without the mutation too, since it measures time, say, has found nothing.
                 test = self._tests[result["failed"]]
                 same = replace(mutant, mutation=Mutation(0, 0, "", mutant.line))
-                do = partial(self._collected.under, same, [test])
-                works.appendleft(Work((mutant, test), do, self._longest_s([test])))
+                works.appendleft(replace(self._work(same, [test], test), key=(mutant, test)))
             else:
                 end(mutant, "")
         return found
@@ -97,16 +91,12 @@ class Judge:
         """Tests that run a line and are not known to pass; none where a quick one fails."""
         if found.quick:
             return []
-        tests, left_s = list[Test](), dict.fromkeys(MARKS, ENOUGH_S)
-        for test in self._known.of(mutant.module, mutant.line):
-            tier = "quick" if test.tier == "quick" else "readme"
-            left_s[tier] -= self._known.ran[test].seconds
-            if left_s[tier] > 0.0 and not (found.by and tier != "quick"):
-                tests.append(test)
+        tests = [test for test in self._known.of(mutant.module, mutant.line) if not found.by or test.tier == "quick"]
         return [test for test in tests if self._hashes[test] not in found.passed]
 
-    def _longest_s(self, tests: Sequence[Test]) -> float:
-        return max(LEAST_S, LONGEST * sum(self._known.ran[test].seconds for test in tests))
+    def _work(self, mutant: Mutant, tests: Sequence[Test], judge: Test | None) -> Work[tuple[Mutant, Test | None]]:
+        longest_s = {test: max(LEAST_S, LONGEST * self._known.ran[test].seconds) for test in tests}
+        return Work((mutant, judge), partial(self._collected.under, mutant, longest_s), sum(longest_s.values()))
 
     def _place(self, mutant: Mutant) -> Path:
         return self._kept / f"{mutant.key}-{mutant.written}.json"

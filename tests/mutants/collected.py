@@ -9,9 +9,10 @@ import pkgutil
 import shutil
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from resource import RLIMIT_CPU, getrlimit, setrlimit
 from types import CodeType, FunctionType
 from typing import Any
 
@@ -106,10 +107,15 @@ class Collected:
                     found[unit]["lines"].setdefault(module, []).append(line)
         return found
 
-    def under(self, mutant: Mutant, tests: Sequence[Test]) -> dict[str, str | None]:
-        """The first of some tests that fails under a mutation, by its unit; in a process of its own."""
+    def under(self, mutant: Mutant, longest_s: Mapping[Test, float]) -> dict[str, str | None]:
+        """The first of some tests that fails under a mutation, by its unit; in a process of its own.
+
+        The process ends where a test takes more processor time than is given for it.
+        """
         self._mutate(mutant)
-        for unit, item, after in _in_order(tests):
+        longest, (_, most_s) = {test.unit: given for test, given in longest_s.items()}, getrlimit(RLIMIT_CPU)
+        for unit, item, after in _in_order(list(longest_s)):
+            setrlimit(RLIMIT_CPU, (min(int(time.process_time() + longest[unit]) + 1, most_s), most_s))
             item.config.hook.pytest_runtest_protocol(item=item, nextitem=after)
             if self._failed:
                 return {"failed": unit}

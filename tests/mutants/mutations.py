@@ -102,9 +102,9 @@ def _of(node: ast.AST, source: bytes, starts: list[int]) -> Iterator[Mutation]:
         return Mutation(first, last, new, old.lineno)
 
     match node:
-        case ast.BinOp(left=left, op=op, right=right) if type(op) in OPERATORS and not _is_text(node):
+        case ast.BinOp(left=left, op=op, right=right) if type(op) in OPERATORS and not _is_text(left, right):
             yield between(left, right, *OPERATORS[type(op)])
-        case ast.AugAssign(target=target, op=op, value=value) if type(op) in OPERATORS:
+        case ast.AugAssign(target=target, op=op, value=value) if type(op) in OPERATORS and not _is_text(value):
             yield between(target, value, *OPERATORS[type(op)])
         case ast.Compare(left=left, ops=[op], comparators=[right]) if type(op) in COMPARISONS:
             yield between(left, right, *COMPARISONS[type(op)])
@@ -131,10 +131,10 @@ def _has_counterpart(called: ast.Name | ast.Attribute, source: bytes) -> bool:
     return new is not None and (hasattr(builtins, new) or re.search(rf"\b{new}\b".encode(), source) is not None)
 
 
-def _is_text(node: ast.BinOp) -> bool:
+def _is_text(*sides: ast.expr) -> bool:
     """Whether an operator joins texts or lists, as far as can be seen."""
     kinds = ast.JoinedStr, ast.List, ast.Tuple, ast.ListComp
-    sides = node.left, node.right
     return any(
-        isinstance(one, kinds) or (isinstance(one, ast.Constant) and isinstance(one.value, str)) for one in sides
+        isinstance(one, kinds) or (isinstance(one, ast.Constant) and isinstance(one.value, str | bytes))
+        for one in sides
     )

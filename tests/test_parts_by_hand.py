@@ -1,0 +1,212 @@
+"""Machine parts and flanks by a few numbers that are done by hand: worse loads, thicker shafts, keys, shared edges."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from ncgear.contact.placement import BACK, PUSHING
+from ncgear.drivetrain.bearings import BearingLife
+from ncgear.errors import Unanswered, WrongInput
+from ncgear.numerics.extrema import Extremum
+from ncgear.pitch.shape import Gear
+from ncgear.project import drivetrain
+from ncgear.project.face_load import FaceLoading
+from ncgear.solids.helical.patches import _apart, _sharing_edges
+from ncgear.strength import surfaces
+
+Made: Any = SimpleNamespace
+
+
+def life(load: float, largest: float) -> BearingLife:
+    bearing: Any = Made()
+    return BearingLife(bearing, Extremum(largest, 1.0), load, 6.0, 10.0 * load, 1e4 / load, 100.0 / largest, True)
+
+
+@pytest.mark.judges("project")
+def test_of_two_loads_the_worse_of_each_part_counts() -> None:
+    """A knock may unload a bearing over the cycle and press on it once: the shorter life and the larger force."""
+    for law, knocks in ((life(30.0, 50.0), life(20.0, 90.0)), (life(20.0, 90.0), life(30.0, 50.0))):
+        worse = drivetrain._worse_bearing(law, knocks)
+        assert (worse.equivalent_n, worse.life_h) == (30.0, 1e4 / 30.0)
+        assert (worse.largest_n.value, worse.static_safety) == (90.0, 100.0 / 90.0)
+
+
+@pytest.mark.judges("project")
+def test_loads_of_parts_grow_as_these_become_weaker() -> None:
+    shaft = Made(fatigue=2.0, yielding=4.0)
+    found: Any = Made(bearings=(life(30.0, 50.0), life(20.0, 90.0)), shaft=shaft, key=Made(pressure_mpa=70.0))
+    assert drivetrain._sizes(found) == {
+        "bearing_a_life": 30.0,
+        "bearing_a_force": 50.0,
+        "bearing_b_life": 20.0,
+        "bearing_b_force": 90.0,
+        "fatigue": 0.5,
+        "yielding": 0.25,
+        "key": 70.0,
+    }
+    bare: Any = Made(bearings=None, shaft=None, key=None)
+    assert drivetrain._sizes(bare) == {}
+    jammed: Any = Made(largest_n=(Extremum(5.0, 0.0), Extremum(6.0, 0.0)), yielding=2.0)
+    key: Any = Made(pressure_mpa=70.0)
+    assert drivetrain._sizes_in_jam(jammed, key) == {
+        "bearing_a_force": 5.0,
+        "bearing_b_force": 6.0,
+        "yielding": 0.5,
+        "key": 70.0,
+    }
+
+
+@pytest.mark.judges("project")
+@pytest.mark.parametrize(("fatigue", "enough"), [(0.3, True), (2.0, False), (1e-5, False)])
+def test_a_shaft_that_is_too_thin_grows_until_it_holds(fatigue: float, enough: bool) -> None:
+    """Safeties that go with the third power of 40 mm: the least that holds is 40 (s/0.3)^(1/3)."""
+
+    def of_diameter(diameter: float) -> Any:
+        return Made(fatigue=fatigue * (diameter / 40.0) ** 3, yielding=9.0 * (diameter / 40.0) ** 3)
+
+    found = drivetrain._thick_enough_mm(of_diameter, 40.0, of_diameter(40.0))
+    if not enough:
+        assert found is None
+    else:
+        assert found is not None
+        exact = 40.0 * (drivetrain.LEAST_SAFETY / fatigue) ** (1.0 / 3.0)
+        assert exact * (1.0 - 1e-9) <= found <= drivetrain.GROWN * exact
+
+
+@pytest.mark.judges("project")
+def test_a_shaft_is_in_its_first_position_again_after_as_many_cycles_as_its_gear_has_lobes() -> None:
+    machine = Made(transmission=Made(lobes=Made(driving=3)))
+    cycle: Any = Made(rigid=Made(place=Made(mesh=Made(sense=-1.0)), machine=machine), cycle_rad=2.0 * pi / 3.0)
+    assert drivetrain._cycles_rad(Gear.DRIVING, cycle) == pytest.approx(np.arange(3) * 2.0 * pi / 3.0)
+    assert drivetrain._cycles_rad(Gear.DRIVEN, cycle).tolist() == [0.0]
+
+
+@pytest.mark.judges("project")
+def test_a_key_bears_over_its_height_in_the_hub() -> None:
+    """A keyway 3.4 mm deep leaves 3 mm beside the play; 60 N m on 40 mm of diameter and 20 mm of length are 50 MPa."""
+
+    def key(depth: float | None = 3.4, height: float | None = None, yield_mpa: float | None = None) -> Any:
+        keyway = None if depth is None else Made(depth_mm=depth)
+        design: Any = Made(gears=Made(driving=Made(keyway=keyway), driven=Made(keyway=None), face_width_mm=20.0))
+        given: Any = Made(key=Made(height_mm=height, length_mm=None, yield_mpa=yield_mpa))
+        section: Any = Made(yield_mpa=300.0, diameter_mm=40.0)
+        return drivetrain._key(design, Gear.DRIVING, given, section, np.array([-1e4, 6e4]))
+
+    free = drivetrain.FREE_HEIGHT_MM
+    pressure = 60_000.0 / (20.0 * (3.4 - free) * 20.0)
+    assert key().pressure_mpa == pytest.approx(pressure)
+    assert key(height=3.4 - free, depth=None).pressure_mpa == pytest.approx(pressure)
+    assert key(yield_mpa=150.0).safety == pytest.approx(key().safety / 2.0)
+    assert key(yield_mpa=900.0).safety == pytest.approx(key().safety)
+    assert key().both_senses
+    for depth in (None, free, 0.5 * free):
+        with pytest.raises(WrongInput):
+            key(depth=depth)
+
+
+@pytest.mark.judges("project")
+def test_all_contacts_of_a_position_press_together() -> None:
+    """Two contacts of one position bear 30 N and 5 N with 7 and 1 N/mm over 10 mm; backs push the other way."""
+    contacts: Any = Made(
+        position=np.array([0, 0, 2]),
+        force_n=np.array([30.0, 5.0, 8.0]),
+        stiffness_n_mm=np.array([7.0, 1.0, 4.0]),
+        phi1_rad=np.array([0.1, 0.1, 0.3]),
+        side=np.array([PUSHING, PUSHING, BACK]),
+    )
+    loading: Any = Made(model=Made(width_mm=10.0), pressing=lambda *given: given)
+    phi1, urge, force, stiffness, application, shaken = FaceLoading.loads_of(
+        loading, contacts, 1.25, np.array([1.1, 1.1, 1.4])
+    )
+    assert force.tolist() == [35.0, 0.0, 8.0]
+    assert stiffness == pytest.approx([0.8, 0.0, 0.4])
+    assert (phi1.tolist(), urge.tolist()) == ([0.1, 0.0, 0.3], [1.0, 1.0, -1.0])
+    assert (application, shaken.tolist()) == (1.25, [1.1, 1.0, 1.4])
+
+
+@pytest.mark.judges("solids")
+def test_patches_share_edges_but_for_rounding() -> None:
+    poles = np.arange(2 * 4 * 3 * 3, dtype=float).reshape(2, 4, 3, 3)
+    poles[0, -1], poles[1, -1] = poles[1, 0] + 1e-9, poles[0, 0] - 1e-9
+    shared = _sharing_edges(poles, 1e-6)
+    assert (shared[0, -1] == poles[1, 0]).all()
+    assert (shared[1, -1] == poles[0, 0]).all()
+    assert (shared[:, :-1] == poles[:, :-1]).all()
+    with pytest.raises(Unanswered):
+        _sharing_edges(poles, 1e-12)
+
+
+@pytest.mark.judges("solids")
+def test_surfaces_are_apart_from_sections_by_their_largest_distance(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("ncgear.solids.helical.patches._points", lambda curves, height, share: curves)
+    exact = np.zeros((2, 3, 3))
+    found: Any = lambda height: np.full((3, 2, 3), height)  # noqa: E731
+    off = exact + 1.0
+    off[1, 2] += [3.0, 0.0, 4.0]
+    assert _apart(found, [(0.0, exact), (1.0, off)], np.zeros(3)) == pytest.approx(5.0)
+
+
+@dataclass
+class Touching:
+    """Contacts by their columns."""
+
+    phi1_rad: np.ndarray
+
+    def on(self, gear: Gear) -> Any:
+        """Teeth 1, 2, 3 of the driving gear on 4, 5, 6 of the driven one."""
+        return Made(tooth=np.array([1, 2, 3]) + (3 if gear is Gear.DRIVEN else 0))
+
+
+@pytest.mark.judges("strength")
+def test_the_place_of_the_largest_value_is_that_of_its_teeth() -> None:
+    touching: Any = Touching(np.array([0.1, 0.2, 0.3]))
+    told = surfaces._place(touching, np.array([3.0, 7.0, -1.0]))
+    assert (told.value, told.phi1_rad) == (7.0, 0.2)
+    assert sorted(vars(told).values()) == sorted([7.0, 0.2, 2, 5])
+    nowhere = surfaces._place(touching, np.array([-1.0, -1.0, -1.0]))
+    assert sorted(vars(nowhere).values()) == sorted([0.0, 0.0, 1, 1])
+
+
+@pytest.mark.judges("strength")
+def test_wear_follows_the_mean_load_and_both_flanks_of_a_side_add_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Dry: 2000 and 1000 meetings of 1e-6 and 3e-6 mm at even load; a load shaken by 1.5 wears a 1.5th of its depth."""
+    monkeypatch.setattr(surfaces, "depth_mm", lambda pressed, share, _: np.array([[1e-6], [3e-6]]) * share)
+    pair: Any = Made(
+        oil=None,
+        conditions=Made(life_h=10.0),
+        running=Made(meetings=lambda hours: np.array([200.0, 100.0]) * hours),
+        coefficients_mm3_n_m=None,
+    )
+    found = surfaces._Pair.quantities(
+        pair, np.array([PUSHING, BACK]), np.array([1.0, 1.5]), Made(line_n_mm=np.array([5.0, 6.0]))
+    )
+    assert found[:2].tolist() == [[0.0, 0.0], [0.0, 0.0]]
+    assert found[2:4] == pytest.approx(np.array([[2e-3, 2e-3 / 1.5], [3e-3, 3e-3 / 1.5]]))
+    assert found[4:] == pytest.approx(np.array([[5e-3, 0.0], [0.0, 5e-3 / 1.5]]))
+
+
+@pytest.mark.judges("strength")
+def test_plastics_creep_by_the_time_that_a_tooth_is_loaded(monkeypatch: pytest.MonkeyPatch) -> None:
+    """1.5 teeth share a load at every position; of 10 teeth each is loaded 0.15 of 100 h; the softer one counts."""
+    asked: list[float] = []
+    monkeypatch.setattr(surfaces, "Plastic", Made)
+    monkeypatch.setattr(surfaces, "creep_factor", lambda root, hours: asked.append(hours) or root)
+    contacts = Made(
+        position=np.array([0, 1, 1, 2]),
+        share=np.array([1.0, 1.0, 1.0, 9.0]),
+        force_n=np.array([10.0, 30.0, 20.0, 5.0]),
+        stiffness_n_mm=np.array([100.0, 100.0, 1000.0, 100.0]),
+    )
+    loading: Any = Made(still=None, contacts=contacts, even=np.array([True, True, False]))
+    choices: Any = Made(entry=Made(root=2.0)), Made(entry=Made(root=3.0))
+    running: Any = Made(teeth=(10, 15))
+    found = surfaces._creep(loading, choices, Made(life_h=100.0), running)
+    assert found is not None
+    assert asked == pytest.approx([15.0, 15.0])
+    assert sorted(vars(found).values()) == pytest.approx([0.3, 0.9, 15.0])
