@@ -100,14 +100,14 @@ class BorneTorque:
         The moments at which flying teeth bear less than the law's torque are known less well than the force of their
         knocks.  ``others`` are runs with other steps; the largest torque of all runs counts at each place.
         """
-        torque = self._own(phi1_rad)
-        for other in self.others:
-            again = other._own(phi1_rad)
+        torque = asked = self.asked(phi1_rad)
+        for one in (self, *self.others):
+            again = one._own(phi1_rad, asked)
             torque = np.where(np.abs(again) > np.abs(torque), again, torque)
         return torque
 
-    def _own(self, phi1_rad: Array) -> Array:
-        asked = self.asked(phi1_rad)
+    def _own(self, phi1_rad: Array, asked: Array) -> Array:
+        """The larger of the ``asked`` torque at driving angles and this run's own, shape (n,)."""
         if not self.phi1_rad.size:
             return asked
         torque, first = asked, self.phi1_rad[0] + (phi1_rad - self.phi1_rad[0]) % self.cycle_rad

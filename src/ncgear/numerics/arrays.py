@@ -106,6 +106,18 @@ AT_ONCE = 4096
 rows at once would ask the system for new memory at each step."""
 
 
+def powers(base: NDArray[Kind], count: int) -> NDArray[Kind]:
+    """1, x, x^2 and so on of real or complex numbers x, shape (n,), with few multiplications; shape (count, n)."""
+    found = np.empty((count, base.size), dtype=base.dtype)
+    found[0], found[1:2] = 1.0, base
+    known = 2
+    while known < count:
+        more = min(known - 1, count - known)
+        np.multiply(found[1 : more + 1], found[known - 1], out=found[known : known + more])
+        known += more
+    return found
+
+
 def row_blocks(count: int) -> Iterator[slice]:
     """Blocks of at most ``AT_ONCE`` rows that together are ``count`` rows."""
     return (slice(start, min(start + AT_ONCE, count)) for start in range(0, count, AT_ONCE))

@@ -15,7 +15,7 @@ from numpy.polynomial import chebyshev
 
 from ncgear.errors import Unanswered
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array, IndexArray, Mask, row_blocks
+from ncgear.numerics.arrays import Array, IndexArray, Mask, powers, row_blocks
 
 DEGREE = 24
 """Degree of each panel: a panel costs 25 evaluations; halving it makes a smooth function's tail 2^24 times smaller."""
@@ -131,7 +131,7 @@ class Cells:
             cell = starts.searchsorted(some, side="right")
             left, right = (end.take(cell) for end in ends)
             local = ((some - left) - (right - some)) / (right - left)
-            np.matmul(_powers(local, count)[:, None], self.powers.take(cell, axis=0), out=values[rows, None])
+            np.matmul(powers(local, count).T[:, None], self.powers.take(cell, axis=0), out=values[rows, None])
         return values.reshape(*points.shape, columns)
 
 
@@ -192,17 +192,6 @@ def _to_powers(degree: int) -> Array:
     """Matrix from Chebyshev coefficients to coefficients of powers; all numbers are whole."""
     columns = [chebyshev.cheb2poly(np.eye(degree + 1)[k, : k + 1]) for k in range(degree + 1)]
     return np.stack([np.pad(column, (0, degree + 1 - column.size)) for column in columns], axis=1)
-
-
-def _powers(local: Array, count: int) -> Array:
-    powers = np.empty((count, local.size))
-    powers[0], powers[1] = 1.0, local
-    known = 2
-    while known < count:
-        more = min(known - 1, count - known)
-        np.multiply(powers[1 : more + 1], powers[known - 1], out=powers[known : known + more])
-        known += more
-    return powers.T
 
 
 def fitted(

@@ -13,7 +13,7 @@ import numpy as np
 
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, powers
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.turn_integral import TurnIntegral, turn_integral
 from ncgear.ratio.laws.over_driven_angle import WIDEST, LogRatioLaw, StagedLaw
@@ -47,13 +47,13 @@ class LogSeries:
     def at(self, angle: Array, order: int) -> Jet:
         """The series with derivatives by t at angles t in rad, shape (n,)."""
         waves = np.arange(1, self.harmonics + 1)
-        turned = waves[:, None] * angle
+        turned = powers(np.exp(1j * angle), self.harmonics + 1)[1:]
         in_phase, quarter_on = self.cosine, self.sine
         rows = np.empty((2, order + 1, self.harmonics))
         for k in range(order + 1):
             rows[0, k], rows[1, k] = in_phase, quarter_on
             in_phase, quarter_on = quarter_on * waves / (k + 1), -in_phase * waves / (k + 1)
-        return Jet(rows[0] @ np.cos(turned) + rows[1] @ np.sin(turned))
+        return Jet(rows[0] @ turned.real + rows[1] @ turned.imag)
 
 
 def harmonic_law(cosine: Array, sine: Array, lobes: Lobes) -> Transmission:

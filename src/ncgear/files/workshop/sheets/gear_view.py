@@ -162,6 +162,10 @@ def _is_nearest(trees: Sequence[KDTree], row: int, places: Array) -> Mask:
     return np.asarray((nearest == row).all(axis=(0, 2)))
 
 
+MOST_PAIRS = 40
+"""Most pairs of pins that are tried: between pairs a few degrees apart, none has room where these have none."""
+
+
 def _draw_pins(board: Board, measured: GearMeasures, view: PaperView) -> None:
     """Two pins with the dimension over them, on the left or the right; the most upright pair with room is drawn.
 
@@ -172,6 +176,7 @@ def _draw_pins(board: Board, measured: GearMeasures, view: PaperView) -> None:
     places = dict(zip(pins.space.tolist(), pins.center_mm, strict=True))
     pairs = [(*sorted((places[row[0]], places[row[1]]), key=lambda place: float(place[1])), row) for row in rows]
     pairs.sort(key=lambda pair: abs(pair[1][0] - pair[0][0]) / np.hypot(*(pair[1] - pair[0])))
+    pairs = pairs[:: -(-len(pairs) // MOST_PAIRS) or 1]
     ring, hull = measured.working.is_ring, shapely.MultiPoint(measured.toothed.outline_mm).convex_hull
     outline = view.on_paper(shapely.get_coordinates(hull))
     by = f"{'between' if ring else 'over'} 2 pins \u00d8{drawn(2.0 * radius, 'mm')}"
