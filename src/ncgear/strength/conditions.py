@@ -60,9 +60,9 @@ class Conditions:
 
     ``life_h`` is the wanted life.  ``dynamic_factor`` is None where it is estimated.  ``reliability`` is the share of
     gears that reach that life.  ``overload`` is None where no jam counts.  ``temperature_c`` is the temperature around
-    plastics, ``duty_cycle`` the share of ten minutes in which the gears run, ``oil_temperature_c`` that of the oil between metal flanks.  Roughnesses are mean peak-to-valley heights,
-    Rz.  The viscosity at 100 degrees Celsius, the wear coefficient and the wanted safeties are None where they follow
-    from the oil or the material.
+    plastics, ``duty_cycle`` the share of ten minutes in which the gears run, ``oil_temperature_c`` the temperature of
+    the oil between metal flanks.  Roughnesses are mean peak-to-valley heights, Rz.  The viscosity at 100 degrees
+    Celsius, the wear coefficient and the wanted safeties are None where they follow from the oil or the material.
     """
 
     life_h: float = 20_000.0

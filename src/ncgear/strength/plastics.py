@@ -132,9 +132,9 @@ def temperatures_of(
 ) -> tuple[ToothTemperature, ToothTemperature]:
     """Running temperatures of the teeth of both gears.
 
-    T = T_0 + P k / (b z (v m)^0.75) ED^0.64, with the power lost P in W, width b and module m in mm, speed v in m/s, and
-    the share ED of ten minutes in which the gears run: open gears (VDI 2736-2, from secondary sources).  Oil takes the heat away, so that oiled teeth, and teeth of two metal gears, have the
-    temperature of their surroundings.
+    T = T_0 + P k / (b z (v m)^0.75) ED^0.64, with the power lost P in W, width b and module m in mm, speed v in m/s,
+    and the share ED of ten minutes in which the open gears run.  Oil takes the heat away, so that oiled teeth, and
+    teeth of two metal gears, have the temperature of their surroundings.
     """
     plastics = [isinstance(choice.entry, Plastic) for choice in choices]
     warms = any(plastics) and conditions.lubrication != "oil" and loss_w > 0.0

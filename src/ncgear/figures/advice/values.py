@@ -70,6 +70,7 @@ class Search(StrEnum):
     CROWNED = "crowned flanks"
     WIDER = "a wider face"
     LARGER = "a larger module"
+    HELICAL = "helical teeth"
     STRONGER = "a stronger material"
 
 
