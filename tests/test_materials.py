@@ -256,6 +256,9 @@ def test_temperature_of_teeth() -> None:
     both, _ = temperatures_of((plastic, plastic), greased, running, 5.0)
     assert both.flank_c == pytest.approx(20.0 + 93.65 * 9.0 / 6.3, abs=0.02)
     assert both.too_hot
+    # A tenth of the time: 0.1^0.64 = 0.229087, so 21.45 K at flanks and 3.05 at roots.
+    paused, _ = temperatures_of((plastic, steel), replace(greased, duty_cycle=0.1), running, 5.0)
+    assert (paused.flank_c, paused.root_c) == pytest.approx((41.45, 23.05), abs=0.02)
     for cool in (
         temperatures_of((plastic, steel), Conditions(), running, 5.0),
         temperatures_of((steel, steel), greased, running, 5.0),

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import ceil, inf, pi, sqrt
+from math import ceil, cos, inf, pi, radians, sqrt
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
+import numpy as np
 import pytest
 
 from circular_pairs import CylindricalPair, elasticity_factor, nominal_contact_stress_mpa
@@ -18,12 +21,14 @@ from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import Changes, changed_drive, changed_gears
 from ncgear.project.drive import Drive
 from ncgear.project.sizing import GearRoom, Sized, asked_design, in_herringbone, smallest_gears
-from ncgear.project.strengthening import CROWNING, SERIES_I_MM, rating_of
+from ncgear.project.strengthening import CROWNING, SERIES_I_MM, Rating, helical_enough, largest_thrust_n, rating_of
 from ncgear.strength.answer import Strength
 from ncgear.strength.holding import Damage, Weakest, face_width_factor, module_factor
 from ncgear.strength.loading import Loading
 from ncgear.strength.surfaces import Surfaces
 from strong import made_up, made_up_loading, made_up_surfaces
+
+Fake: Any = SimpleNamespace
 
 TEXT = """\
 name: press
@@ -346,3 +351,37 @@ def test_herringbone_teeth_hold_in_less_width_and_where_they_cannot_be_made_ther
     assert not Sized({}, straight, rating_of(straight, "estimate")).holds
     assert in_herringbone(replace(first, drive=drive("internal-1-2"))) is None
     assert in_herringbone(found) is None
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(("name", "kind"), [("pusher", "helical"), ("baler-drivetrain", "herringbone")])
+def test_helical_teeth_are_tried_where_they_can_be_made_and_may_hold(
+    monkeypatch: pytest.MonkeyPatch, name: str, kind: str
+) -> None:
+    """The flatter angle first; none of teeth that lack far more, of rings, of racks, and of teeth that have a helix."""
+    tried: list[Changes] = []
+
+    def holds(drive: Drive, rating: Rating, changes: Changes) -> bool:
+        tried.append(changes)
+        return changes["gears.helix.angle_deg"] == 30.0
+
+    monkeypatch.setattr("ncgear.project.strengthening._holds", holds)
+    lacking = [Weakest(Gear.DRIVEN, Damage.CONTACT, 1, 100.0, 0.0, share, 1.0, 1.0, (1,)) for share in (0.75, 0.7)]
+    hardly, hopeless = (Rating(Fake(), Fake(), (one,)) for one in lacking)
+    straight = drive(name)
+    found = helical_enough(straight, hardly)
+    assert [one["gears.helix.angle_deg"] for one in tried] == [20.0, 30.0]
+    assert found == {"gears.helix.angle_deg": 30.0, "gears.helix.kind": kind, "gears.helix.hand": "right"}
+    assert not helical_enough(straight, hopeless)
+    others = [drive("internal-1-2"), drive("rack-feed"), changed_drive(straight, found)]
+    assert not any(helical_enough(one, hardly) for one in others)
+    assert len(tried) == 2
+
+
+@pytest.mark.judges("strength")
+def test_the_thrust_is_that_of_the_torque_on_circular_gears() -> None:
+    """2 N m on a radius of 24 mm: 83.33 N along the pitch circle, 30.33 N along the axis at 20 degrees."""
+    angle = radians(20.0)
+    contacts = Fake(position=np.array([0, 0, 1]), force_n=np.array([0.3, 0.7, 0.9]) * 2000.0 / 24.0 / cos(angle))
+    rating = Rating(Fake(contacts=contacts), Fake(), ())
+    assert largest_thrust_n(drive_of_text(TEXT), rating, angle) == pytest.approx(30.331, abs=1e-3)

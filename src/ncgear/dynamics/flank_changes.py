@@ -102,19 +102,19 @@ class BorneTorque:
         """
         torque = asked = self.asked(phi1_rad)
         for one in (self, *self.others):
-            again = one._own(phi1_rad, asked)
+            again = one._followed(phi1_rad, asked)
             torque = np.where(np.abs(again) > np.abs(torque), again, torque)
         return torque
 
-    def _own(self, phi1_rad: Array, asked: Array) -> Array:
-        """The larger of the ``asked`` torque at driving angles and this run's own, shape (n,)."""
+    def _followed(self, phi1_rad: Array, asked: Array) -> Array:
+        """The torque of this run at driving angles, ``asked`` where it was not followed, shape (n,)."""
         if not self.phi1_rad.size:
             return asked
         torque, first = asked, self.phi1_rad[0] + (phi1_rad - self.phi1_rad[0]) % self.cycle_rad
         for place in (first, first + self.cycle_rad):
             followed = np.interp(place, self.phi1_rad, self.torque_n_mm, left=np.nan, right=np.nan)
             torque = np.where(np.isnan(followed), torque, followed)
-        return np.where(np.abs(torque) > np.abs(asked), torque, asked)
+        return torque
 
 
 def borne_torque(
@@ -146,6 +146,7 @@ def borne_torque(
     # The longest stretch without a turn or a jump comes last: there the teeth have most time to settle.
     rows = np.roll(rows, -int(np.argmax(np.diff(rows, prepend=rows[-1] - SAMPLES))))
     starts, width_rad = driven.closer(phi1[rows] + cycle_rad * (rows < rows[0]), cycle_rad / SAMPLES)
+    driven = replace(driven, asked=_between(asked, torque, rows, cycle_rad))
     end_rad = starts[0] + 2.0 * cycle_rad
 
     def once(driven: _DrivenSide, least_rad: float) -> BorneTorque:
@@ -160,6 +161,26 @@ def borne_torque(
     if not followed.knocks:
         return followed if whole else BorneTorque(asked, cycle_rad, knocks=())
     return replace(followed, others=tuple(once(replace(driven, finer=one), 2.0 * width_rad) for one in others))
+
+
+def _between(
+    asked: Callable[[Array], Array], torque: Array, rows: IndexArray, cycle_rad: float
+) -> Callable[[Array], Array]:
+    """The demanded torque from its values at SAMPLES even places of a cycle, linear between them.
+
+    In the spaces after ``rows``, where it turns or leaps, it is ``asked`` itself.
+    """
+    closed, exact = np.append(torque, torque[0]), np.isin(np.arange(SAMPLES), rows)
+
+    def at(phi1_rad: Array) -> Array:
+        place = phi1_rad % cycle_rad / cycle_rad * SAMPLES
+        row = np.minimum(place.astype(int), SAMPLES - 1)
+        found: Array = closed[row] + (place - row) * (closed[row + 1] - closed[row])
+        if np.any(here := exact[row]):
+            found[here] = asked(phi1_rad[here])
+        return found
+
+    return at
 
 
 def flanks_of(torque: Array, idle: float) -> Array:

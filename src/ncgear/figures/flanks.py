@@ -115,7 +115,9 @@ def surfaces_rows(drive: Drive, found: Surfaces) -> list[tuple[str, str]]:
         ways = f"{to_digits(creep.at_once_mm, 2)} mm at once, {to_digits(creep.after_mm, 2)} mm"
         lasting = f"after {hours_words(creep.loaded_h)} under load, at {CREEP_C:g} \u00b0C; more where they are warmer"
         gives_way = f"teeth give way by {ways} {lasting}"
-    return [*rows, ("heat", f"{'; '.join(heat)} (VDI 2736)"), ("creep", gives_way)]
+    duty = drive.conditions.duty_cycle
+    pauses = f", running {to_digits(100.0 * duty, 3)} % of ten minutes" if duty < 1.0 else ""
+    return [*rows, ("heat", f"{'; '.join(heat)} (VDI 2736{pauses})"), ("creep", gives_way)]
 
 
 def _film_words(drive: Drive, film: Film) -> str:

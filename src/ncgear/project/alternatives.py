@@ -337,10 +337,27 @@ def bridging_helix(drive: Drive) -> Changes:
 
     Empty where helical teeth cannot be made, or where they would be steeper than STEEPEST_HELIX_DEG.
     """
-    if drive.helix is not None or drive.pitch.driven.is_ring or drive.gears.method != "exact":
+    if not may_be_helical(drive):
         return {}
     gap_mm = WIDER * drive.designed_contact.longest_gap_pitches * drive.rack.pitch_mm
     angle = degrees(atan(gap_mm / drive.gears.face_width_mm))
     if angle > STEEPEST_HELIX_DEG:
         return {}
-    return {"gears.helix.angle_deg": angle, "gears.helix.kind": "helical", "gears.helix.hand": "right"}
+    return with_helix(angle, "helical")
+
+
+def may_be_helical(drive: Drive) -> bool:
+    """Whether teeth are straight and helical ones can be made in their place.
+
+    They cannot on rings, on gears that turn less than once, by other methods, and with keys of the process.
+    """
+    from ncgear.project.gear_solids import PROCESS
+
+    straight = drive.helix is None and drive.gears.method == "exact"
+    kept_from = drive.pitch.driven.is_ring or drive.design.motion.is_open
+    return straight and not kept_from and not any(getattr(drive.gears, key) for key in PROCESS)
+
+
+def with_helix(angle_deg: float, kind: str) -> Changes:
+    """The changes that make straight teeth helical or herringbone ones."""
+    return {"gears.helix.angle_deg": angle_deg, "gears.helix.kind": kind, "gears.helix.hand": "right"}

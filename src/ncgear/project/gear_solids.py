@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from math import cos, pi, radians, sin
 from typing import TYPE_CHECKING, TypeVar
@@ -143,12 +143,35 @@ def helical_solids(
     tolerance_mm: float,
     crank_pin: RoundHole | None = None,
 ) -> SolidPair:
-    """Both gears with helical teeth as closed meshes.
+    """Both gears with helical teeth as closed meshes; raises WrongInput as ``_helical_blanks``."""
+    from ncgear.solids.helical.mesh import helical_pair
+
+    return helical_pair(pitch, form, helix, _helical_blanks(gears, pitch, crank_pin), tolerance_mm)
+
+
+def helical_plans(
+    gears: Gears,
+    pitch: PitchPair,
+    sections: Sequence[ToothedPair],
+    tolerance_mm: float,
+    crank_pin: RoundHole | None = None,
+) -> tuple[BodyPlan, BodyPlan]:
+    """The bodies of both gears with helical teeth by some sections, the first at z = 0; raises as for their meshes."""
+    from ncgear.solids.helical.mesh import planned_through
+
+    blanks, module = _helical_blanks(gears, pitch, crank_pin), pitch.size.module_mm
+    driving, driven = (
+        planned_through([one.of(gear).outline_mm for one in sections], gear, blanks[gear], module, tolerance_mm)
+        for gear in Gear
+    )
+    return driving, driven
+
+
+def _helical_blanks(gears: Gears, pitch: PitchPair, crank_pin: RoundHole | None) -> dict[Gear, Blank]:
+    """The bodies asked for of helical gears.
 
     Raises WrongInput for an internal pair, and for keys of the process: sections are made as designed.
     """
-    from ncgear.solids.helical.mesh import helical_pair
-
     for name in PROCESS:
         if getattr(gears, name) != 0.0:
             problem = "given, but helical teeth are made as designed, edges and all; leave it out"
@@ -156,8 +179,7 @@ def helical_solids(
     if pitch.driven.is_ring:
         raise WrongInput("helical teeth of internal pairs are not made; leave it out", key="gears.helix")
     driven = replace(_blank(gears, gears.driven), crank_pin=crank_pin)
-    blanks = {Gear.DRIVING: _blank(gears, gears.driving), Gear.DRIVEN: driven}
-    return helical_pair(pitch, form, helix, blanks, tolerance_mm)
+    return {Gear.DRIVING: _blank(gears, gears.driving), Gear.DRIVEN: driven}
 
 
 def _blank(gears: Gears, body: GearBody, turned_rad: float = 0.0) -> Blank:

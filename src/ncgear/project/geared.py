@@ -311,6 +311,16 @@ class Geared(Moving):
         def by_stage(self) -> tuple[Geared, ...]:
             """One drive for each pair of gears, see ``Drive``."""
 
+    @property
+    def _helical_plans(self) -> tuple[BodyPlan, BodyPlan]:
+        """The bodies of helical gears by the sections that bear the load, without their meshes."""
+        from ncgear.project.gear_solids import finished, helical_plans
+
+        sections = [self.teeth, *(one.teeth for one in self.face_sections.each)]
+        tolerance = self.chord_tolerance_mm
+        with self.stopwatch("bodies"):
+            return helical_plans(finished(self.gears), self.pitch, sections, tolerance, self.crank_pin)
+
     @computed
     def gear_inertia(self) -> GearInertia:
         """The moments of inertia of this pair's gears, from their bodies."""
@@ -320,7 +330,7 @@ class Geared(Moving):
         given, pitch = self.design.masses, self.pitch
         densities = densities_kg_m3(None if given is None else given.density_kg_m3, self.gears)
         try:
-            plans = self.finished_plans
+            plans = self.finished_plans if self.helix is None else self._helical_plans
         except DesignError as refusal:
             curves, module = (pitch.driving, pitch.driven), pitch.size.module_mm
             first, last = (

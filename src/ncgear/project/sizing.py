@@ -25,10 +25,19 @@ from ncgear.design.keys.base import listed
 from ncgear.design.keys.design import Design
 from ncgear.dynamics.meshing import TOO_WEAK
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
-from ncgear.project.alternatives import Changes, changed_drive, changed_gears, is_given
+from ncgear.project.alternatives import Changes, changed_drive, changed_gears, is_given, may_be_helical, with_helix
 from ncgear.project.drive import Drive
 from ncgear.project.rough_strength import rough_strength
-from ncgear.project.strengthening import CROWNING, MOST_TEETH, SERIES_I_MM, WIDEST_MODULES, Rating, rating_of, sized
+from ncgear.project.strengthening import (
+    CROWNING,
+    HELIX_DEG,
+    MOST_TEETH,
+    SERIES_I_MM,
+    WIDEST_MODULES,
+    Rating,
+    rating_of,
+    sized,
+)
 from ncgear.strength.holding import Damage, Weakest
 from ncgear.strength.materials import TABLE
 
@@ -50,9 +59,6 @@ they take a second each, else a fifth of it: the search takes ten seconds."""
 
 MOST_NARROWED = {"resistance": 16, "masses": 5}
 """Most gears of the same teeth that are computed to find the least widths, in half of that time each."""
-
-HELIX_DEG = 20.0, 30.0
-"""Helix angles of herringbone teeth that are tried: usual values in machines, without thrust."""
 
 BEST = 4
 """Number of answers."""
@@ -211,22 +217,18 @@ def in_herringbone(one: Sized) -> Sized | None:
     gears that turn less than once, other methods, keys of the process), where the design gives a helix angle, or where
     the tried teeth are not narrower.
     """
-    from ncgear.project.gear_solids import PROCESS
-
-    given, drive = one.drive.design, one.drive
-    process = any(getattr(drive.gears, key) for key in PROCESS)
-    if drive.helix or drive.pitch.driven.is_ring or drive.gears.method != "exact" or given.motion.is_open or process:
+    drive = one.drive
+    if not may_be_helical(drive):
         return None
 
-    def with_helix(angle_deg: float, width_mm: float) -> Changes:
-        helix: Changes = {"gears.helix.kind": "herringbone", "gears.helix.hand": "right"}
-        return {**one.changes, **helix, "gears.helix.angle_deg": angle_deg, "gears.face_width_mm": width_mm}
+    def herringbone(angle_deg: float, width_mm: float) -> Changes:
+        return {**one.changes, **with_helix(angle_deg, "herringbone"), "gears.face_width_mm": width_mm}
 
     straight = _roughly(drive)
     shares = {}
     with suppress(DesignError, ValidationError):
         for angle in HELIX_DEG:
-            shares[angle] = _roughly(changed_drive(drive, with_helix(angle, one.face_width_mm)))
+            shares[angle] = _roughly(changed_drive(drive, herringbone(angle, one.face_width_mm)))
     if not straight or not (better := max(shares.values(), default=0.0)) > straight:
         return None
     angle = max(shares, key=lambda key: shares[key])
@@ -237,7 +239,7 @@ def in_herringbone(one: Sized) -> Sized | None:
             break
         width = below + 1.0 if best and above - below <= NEAR_MM else min(max(ceil(guess), below + 1.0), above - 1.0)
         try:
-            made = changed_drive(drive, changes := with_helix(angle, float(width)))
+            made = changed_drive(drive, changes := herringbone(angle, float(width)))
             tried = Sized(changes, made, rating_of(made, "estimate"))
         except (DesignError, ValidationError):
             break

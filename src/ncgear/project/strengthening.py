@@ -7,7 +7,7 @@ and made larger until the teeth hold.
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import ceil
+from math import ceil, cos, tan
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -16,7 +16,7 @@ from pydantic import ValidationError
 from ncgear.errors import DesignError, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.pitch.shape import Gear
-from ncgear.project.alternatives import Changes, changed_drive
+from ncgear.project.alternatives import Changes, changed_drive, may_be_helical, with_helix
 from ncgear.project.drive import Drive
 from ncgear.strength.answer import Strength
 from ncgear.strength.holding import (
@@ -50,6 +50,12 @@ are misaligned: makers of machines keep to 10 or 12."""
 
 STRONGER = ("PETG-print", "PLA-print", "PA66", "POM", "C45", "42CrMo4", "34CrNiMo6", "42CrMo4-nitrided", "18CrNiMo7-6")
 """Materials of the table by their endurance, the weakest first."""
+
+HELIX_DEG = 20.0, 30.0
+"""Helix angles that are tried: usual values in machines."""
+
+HELIX_GAIN = 1.4
+"""Most safety of helical teeth over that of straight ones: 0.8 to 1.38 of pump-both-ways, pusher and baler-holds."""
 
 TRIALS = 4
 """How often a guess is made larger.  The second guess is mostly right: load factors change little with the size."""
@@ -146,6 +152,28 @@ def large_enough(drive: Drive, rating: Rating) -> Changes:
         return None if module is None else sized(drive, drive.pitch.size.driving_teeth, module)
 
     return _enough(drive, rating, drive.pitch.size.module_mm, module_factor, changes)
+
+
+def helical_enough(drive: Drive, rating: Rating) -> Changes:
+    """The first of HELIX_DEG with which the teeth hold; empty where none does, or where teeth stay straight.
+
+    Teeth are helical, or herringbone ones where bearings are given, which bear no thrust.
+    """
+    if not may_be_helical(drive) or HELIX_GAIN * min(one.share for one in rating.weakest) < 1.0:
+        return {}
+    kind = "helical" if drive.design.drivetrain is None else "herringbone"
+    tried = (with_helix(angle, kind) for angle in HELIX_DEG)
+    return next((changes for changes in tried if _holds(drive, rating, changes)), {})
+
+
+def largest_thrust_n(drive: Drive, rating: Rating, helix_rad: float) -> float:
+    """The thrust of helical teeth along their axes in N under the largest load of a rating: F_t tan(beta).
+
+    F_t is the load's tangential part at the pitch point, by the pressure angle of the flanks that push.
+    """
+    contacts = rating.strength.contacts
+    most_n = float(np.bincount(contacts.position, contacts.force_n).max())
+    return most_n * cos(drive.rack.angles_rad[0]) * tan(helix_rad)
 
 
 def strong_enough(drive: Drive, rating: Rating) -> Changes:

@@ -60,9 +60,9 @@ class Conditions:
 
     ``life_h`` is the wanted life.  ``dynamic_factor`` is None where it is estimated.  ``reliability`` is the share of
     gears that reach that life.  ``overload`` is None where no jam counts.  ``temperature_c`` is the temperature around
-    plastics, ``oil_temperature_c`` that of the oil between metal flanks.  Roughnesses are mean peak-to-valley heights,
-    Rz.  The viscosity at 100 degrees Celsius, the wear coefficient and the wanted safeties are None where they follow
-    from the oil or the material.
+    plastics, ``duty_cycle`` the share of ten minutes in which the gears run, ``oil_temperature_c`` the temperature of
+    the oil between metal flanks.  Roughnesses are mean peak-to-valley heights, Rz.  The viscosity at 100 degrees
+    Celsius, the wear coefficient and the wanted safeties are None where they follow from the oil or the material.
     """
 
     life_h: float = 20_000.0
@@ -78,6 +78,7 @@ class Conditions:
     flank_roughness_um: float = 6.0
     root_roughness_um: float = 16.0
     temperature_c: float = 20.0
+    duty_cycle: float = 1.0
     oil_temperature_c: float = 40.0
     contact_safety: float | None = None
     bending_safety: float | None = None

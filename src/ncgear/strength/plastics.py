@@ -102,6 +102,9 @@ def creep_factor(root: str, hours: float) -> float | None:
 MIXED, ALIKE = (6300.0, 895.0), (9000.0, 2148.0)
 """Coefficients k of the temperatures of flank and root in K (m/s)^0.75 mm^1.75 / W: plastic on metal, on plastic."""
 
+PAUSES = 0.64
+"""Exponent of the share of ten minutes in which gears run."""
+
 LUBRICATED_FRICTION = {"oil": 0.04, "grease": 0.09}
 PLASTICS_FRICTION = {("POM", "POM"): 0.28, ("PA66", "PA66"): 0.4, ("PA66", "POM"): 0.18}
 OTHER_FRICTION = 0.4
@@ -129,9 +132,9 @@ def temperatures_of(
 ) -> tuple[ToothTemperature, ToothTemperature]:
     """Running temperatures of the teeth of both gears.
 
-    T = T_0 + P k / (b z (v m)^0.75), with the power lost P in W, width b and module m in mm, speed v in m/s: open gears
-    that run without a pause.  Oil takes the heat away, so that oiled teeth, and teeth of two metal gears, have the
-    temperature of their surroundings.
+    T = T_0 + P k / (b z (v m)^0.75) ED^0.64, with the power lost P in W, width b and module m in mm, speed v in m/s,
+    and the share ED of ten minutes in which the open gears run.  Oil takes the heat away, so that oiled teeth, and
+    teeth of two metal gears, have the temperature of their surroundings.
     """
     plastics = [isinstance(choice.entry, Plastic) for choice in choices]
     warms = any(plastics) and conditions.lubrication != "oil" and loss_w > 0.0
@@ -139,7 +142,7 @@ def temperatures_of(
     found = []
     for choice, teeth in zip(choices, running.teeth, strict=True):
         cooled = running.face_width_mm * teeth * (running.pitch_speed_m_s * running.module_mm) ** 0.75
-        rise = loss_w / cooled if warms else 0.0
+        rise = loss_w / cooled * conditions.duty_cycle**PAUSES if warms else 0.0
         root_c, flank_c = (conditions.temperature_c + coefficient * rise for coefficient in (root, flank))
         hottest = choice.entry.hottest_c if isinstance(choice.entry, Plastic) else np.inf
         found.append(ToothTemperature(root_c, flank_c, max(root_c, flank_c) > hottest))

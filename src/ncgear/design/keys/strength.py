@@ -207,6 +207,13 @@ class StrengthKeys(Model):
         ge=-50.0,
         le=200.0,
     )
+    duty_cycle: float = optional(
+        "largest share of ten minutes in which the machine runs (ED of VDI 2736): dry and greased plastics warm by "
+        "ED^0.64 of what they would without a pause. life_h counts running hours",
+        1.0,
+        gt=0.0,
+        le=1.0,
+    )
     contact_safety: Annotated[float, Field(gt=0.0, le=10.0)] | None = optional(
         "least safety wanted against pitting, in stress; left out: 1.0 for metal, since single pits grow slowly, and "
         "1.4 for plastics"

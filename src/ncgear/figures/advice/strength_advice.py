@@ -7,12 +7,13 @@ from dataclasses import replace
 from math import degrees
 from typing import TYPE_CHECKING
 
-from ncgear.figures.advice.tried_advice import ENOUGH
-from ncgear.figures.advice.values import Advice, Kind, NotJudged, Remedy, RemedySearch, changed
+from ncgear.figures.advice.tried_advice import ENOUGH, enough
+from ncgear.figures.advice.values import Advice, Kind, NotJudged, Remedy, RemedySearch
 from ncgear.figures.flanks import BAND, hours_words, place_words, stretches_words, vibration_of_rating
 from ncgear.figures.numbers import fixed, placed, to_digits
 from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.pitch.shape import Gear
+from ncgear.project.alternatives import may_be_helical
 from ncgear.project.drive import Drive
 from ncgear.project.rough_strength import RoughStrength, beside_refusal, rough_damage, rough_strength
 from ncgear.project.strengthening import (
@@ -62,7 +63,11 @@ def strength(drive: Drive) -> Advice | NotJudged | None:
         f"{first.damage.words} where {first.wanted:g} is wanted" + (f" (also {'; '.join(also)})" if also else ""),
         f"{'teeth break' if first.damage is Damage.BENDING else 'flanks pit'} before the wanted life ends; "
         "ncgear strength computes what would do",
-        (*_crowning(drive), *_sizes(drive, face_width_factor(rating.weakest), module_factor(rating.weakest))),
+        (
+            *_crowning(drive),
+            *_sizes(drive, face_width_factor(rating.weakest), module_factor(rating.weakest)),
+            *_helix(drive),
+        ),
         brief=f"the teeth do not hold: safety {_under(first.safety, first.wanted)} against {first.damage.words}, "
         f"{first.wanted:g} wanted",
     )
@@ -168,6 +173,15 @@ def _crowning(drive: Drive) -> tuple[Remedy, ...]:
     return (Remedy("crown the flanks along the width", short="crowned flanks", search=RemedySearch.CROWNED),)
 
 
+def _helix(drive: Drive) -> tuple[Remedy, ...]:
+    """Helical teeth, where they can be made."""
+    return (
+        (Remedy("cut helical teeth", short="helical teeth", search=RemedySearch.HELICAL),)
+        if may_be_helical(drive)
+        else ()
+    )
+
+
 def _sizes(drive: Drive, wider: float, larger: float) -> tuple[Remedy, ...]:
     """Sizes that would do by how stresses scale; they are not computed, so they are words until trials tell them."""
     size, face_width_mm = drive.pitch.size, drive.gears.face_width_mm
@@ -199,8 +213,8 @@ def remedies(drive: Drive, rating: Rating) -> tuple[Remedy, ...]:
     """What makes the teeth hold: a face width, a module, a material, or the search for sizes together."""
     if rating.holds:
         return ()
-    tried = ((words, enough(drive, rating)) for enough, words in ENOUGH.values())
-    return (*(Remedy(words, changed(changes)) for words, changes in tried if changes), _together(drive))
+    tried = (enough(search, drive, rating) for search in ENOUGH)
+    return (*filter(None, tried), _together(drive))
 
 
 def _together(drive: Drive) -> Remedy:

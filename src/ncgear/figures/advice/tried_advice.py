@@ -5,17 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
+from math import radians
 from time import process_time
 
 from ncgear.figures.advice.values import Advice, Remedy, RemedySearch, changed
+from ncgear.figures.numbers import to_digits
 from ncgear.interrupts import TimeIsOver, at_most
 from ncgear.project.alternatives import Changes
 from ncgear.project.drive import Drive
 from ncgear.project.strengthening import (
     Rating,
     crowned_enough,
+    helical_enough,
     known_rating,
     large_enough,
+    largest_thrust_n,
     strong_enough,
     wide_enough,
 )
@@ -31,6 +35,7 @@ ENOUGH: dict[RemedySearch, tuple[Callable[[Drive, Rating], Changes], str]] = {
     RemedySearch.CROWNED: (crowned_enough, "crown the flanks"),
     RemedySearch.WIDER: (wide_enough, "make the gears wider"),
     RemedySearch.LARGER: (large_enough, "take a larger module"),
+    RemedySearch.HELICAL: (helical_enough, "cut helical teeth"),
     RemedySearch.STRONGER: (strong_enough, "take a stronger material"),
 }
 """What is tried of teeth that do not hold, and the words for what does."""
@@ -60,12 +65,20 @@ def is_without_value(advice: Advice) -> bool:
 def _valued(remedy: Remedy, search: RemedySearch, again: Good, drive: Drive, seconds: float) -> Remedy | None:
     if search not in ENOUGH:
         return _of_teeth(remedy, search, again, drive, seconds)
-    enough, words = ENOUGH[search]
     rating = known_rating(drive)
     with suppress(TimeIsOver), at_most(seconds):
-        changes = enough(drive, rating) if isinstance(rating, Rating) else {}
-        return Remedy(words, changed(changes)) if changes else None
+        return enough(search, drive, rating) if isinstance(rating, Rating) else None
     return remedy
+
+
+def enough(search: RemedySearch, drive: Drive, rating: Rating) -> Remedy | None:
+    """The least change of one of ENOUGH with which rated teeth hold; None where none does."""
+    found, words = ENOUGH[search]
+    changes = found(drive, rating)
+    if changes.get("gears.helix.kind") == "helical":
+        thrust_n = largest_thrust_n(drive, rating, radians(float(str(changes["gears.helix.angle_deg"]))))
+        words += f", which thrust up to {to_digits(thrust_n, 2)} N along the shafts"
+    return Remedy(words, changed(changes)) if changes else None
 
 
 def _of_teeth(remedy: Remedy, search: RemedySearch, again: Good, drive: Drive, seconds: float) -> Remedy:

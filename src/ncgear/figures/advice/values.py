@@ -70,6 +70,7 @@ class RemedySearch(StrEnum):
     CROWNED = "crowned flanks"
     WIDER = "a wider face"
     LARGER = "a larger module"
+    HELICAL = "helical teeth"
     STRONGER = "a stronger material"
 
 

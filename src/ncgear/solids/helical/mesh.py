@@ -23,7 +23,7 @@ from ncgear.solids.mesh.pair import GearSolid, SolidPair
 from ncgear.solids.mesh.slabs import VOLUME_TOLERANCE, filling, require_sound
 from ncgear.solids.mesh.triangles import TriangleMesh, with_used_vertices
 from ncgear.solids.plan.areas import stl_resolution_mm
-from ncgear.solids.plan.body import Blank, bore_points, hole_points
+from ncgear.solids.plan.body import Blank, BodyPlan, bore_points, hole_points
 from ncgear.solids.plan.plan import planned_within
 from ncgear.solids.plan.room import common_disc, full_disc
 from ncgear.teeth.form import ToothForm
@@ -45,11 +45,8 @@ def helical_pair(
 
 def _solid(sections: Sections, stack: Stack, gear: Gear, blank: Blank, tolerance: float) -> GearSolid:
     """A gear's mesh; bore, holes and pockets keep their walls in every section."""
-    key, module = f"gears.{gear.value}", sections.form.rack.module_mm
     outlines = [pieces.points_mm[:-1] for pieces in sections.pieces(gear, stack.heights_mm)]
-    direction = meeting_direction_rad(gear, Mesh.EXTERNAL)
-    room = common_disc(outlines, key)
-    plan = planned_within(full_disc(outlines[0], key), room, blank, direction, module, tolerance, key)
+    plan = planned_through(outlines, gear, blank, sections.form.rack.module_mm, tolerance)
     holes = [bore_points(plan.bore, tolerance)] if plan.bore is not None else []
     holes += [hole_points(hole, tolerance) for hole in plan.round_holes]
     rings, heights = stack.counter_clockwise(), stack.heights_mm
@@ -57,6 +54,15 @@ def _solid(sections: Sections, stack: Stack, gear: Gear, blank: Blank, tolerance
         rings = np.concatenate([rings, rings[-2::-1]])
         heights = np.concatenate([heights, sections.helix.face_width_mm - heights[-2::-1]])
     return GearSolid(finished(lofted(rings, heights, holes), plan), plan)
+
+
+def planned_through(
+    outlines_mm: Sequence[Array], gear: Gear, blank: Blank, module_mm: float, tolerance_mm: float
+) -> BodyPlan:
+    """The plan of a gear with the first of its sections' outlines; what is cut out leaves its walls in all of them."""
+    key, direction = f"gears.{gear.value}", meeting_direction_rad(gear, Mesh.EXTERNAL)
+    room = common_disc(outlines_mm, key)
+    return planned_within(full_disc(outlines_mm[0], key), room, blank, direction, module_mm, tolerance_mm, key)
 
 
 def lofted(rings_mm: Array, heights_mm: Array, holes_mm: Sequence[Array]) -> TriangleMesh:
