@@ -471,9 +471,10 @@ class Geared(Moving):
         return self._rigid(lambda: self.uniform_driving)
 
     def require_one_stage(self) -> None:
-        """Raise WrongInput where there are two pairs of gears."""
+        """Raise WrongInput where there are several pairs of gears."""
         if self.design.stages > 1:
-            raise WrongInput("two pairs of gears; forces are computed of one", key="motion.second_stage")
+            said, key = self.design.stages_said
+            raise WrongInput(f"{said}; forces are computed of one", key=key)
 
     def _rigid(self, driving: Callable[[], DrivingShaft]) -> Rigid:
         from ncgear.dynamics.rigid import rigid_level

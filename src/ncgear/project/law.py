@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from math import degrees, isclose, pi
 
 import numpy as np
@@ -29,6 +30,16 @@ def law_of(design: Design) -> Law:
 
     Raises WrongInput for values that contradict each other, NoSuchMechanism when no such motion exists.
     """
+    law = _whole_law(design)
+    if design.gears is None or design.gears.pairs == 1:
+        return law
+    from ncgear.ratio.laws.shared import shared_out
+
+    return replace(law, train=shared_out(law.transmission, design.gears.pairs))
+
+
+def _whole_law(design: Design) -> Law:
+    """The law before it is shared out over pairs."""
     motion, lobes = design.motion, lobes_of(design)
     if motion.gives_stroke:
         return motion.law_on(mechanism_of_stroke(design.linkage, motion.solved_stroke_mm), lobes)

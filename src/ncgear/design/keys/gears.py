@@ -219,6 +219,8 @@ class Tolerances(Model):
 
 MOST_LOBES = 100
 
+MOST_PAIRS = 6
+
 
 SIZES = ("teeth", "module_mm", "center_distance_mm")
 """Keys that give the pitch curves their size: two of them, or one of the first two if the law gives the last."""
@@ -246,6 +248,13 @@ class Gears(Model):
         "external",
     )
     lobes: Lobes = optional("lobes of each gear; left out: one each", Lobes)
+    pairs: int = optional(
+        "pairs in series that make the ratio, a whole number, each as these keys describe: each takes an equal part of "
+        "the logarithm of the ratio",
+        1,
+        ge=1,
+        le=MOST_PAIRS,
+    )
     teeth: Annotated[int, Field(ge=3, le=MOST_TEETH)] | None = optional(
         "teeth of the driving gear, a whole number; of gears that turn less than once, the pitches from end to end of "
         "the range (no more than one tooth is added at each end)"
