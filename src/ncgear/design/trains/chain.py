@@ -9,13 +9,14 @@ from pydantic import Field
 
 from ncgear.design.keys.base import FORMULA, Expression, Length, Several, optional, required
 from ncgear.design.trains.base import TrainGears, TrainKeys
-from ncgear.errors import WrongInput, renamed
+from ncgear.errors import WrongInput, below, renamed
 
 if TYPE_CHECKING:
     from ncgear.ratio.transmission import Lobes, Transmission
     from ncgear.trains.train import Train
 
 MOST_GEARS = 12
+BENDS = "bends_deg"
 Lobe = Annotated[int, Field(ge=1, le=64)]
 Bend = Annotated[float, Field(ge=-150.0, le=150.0)]
 
@@ -53,6 +54,7 @@ class Chain(TrainKeys):
     def _made(self) -> Train:
         import numpy as np
 
+        from ncgear.ratio.laws.row import row_laws
         from ncgear.ratio.transmission import Lobes
         from ncgear.trains.chain import chain_train, row_of
 
@@ -67,7 +69,9 @@ class Chain(TrainKeys):
         gears = self.gears
         with renamed("motion", "train"):
             first = self._first(Lobes(self.lobes[0], self.lobes[1]))
-            row = row_of(first, self.lobes, directions, gears.teeth, gears.module_mm)
+        with below("train"), renamed("motion", "ratio"):
+            laws = row_laws(first, self.lobes, directions, BENDS)
+            row = row_of(laws, directions, gears.teeth, gears.module_mm)
         form = gears.form(gears.module_mm)
         return chain_train(
             row, form, gears.face_width_mm, gears.bore_mm, self.speed_rpm, gears.chord_mm(gears.module_mm)
