@@ -43,6 +43,9 @@ else:
     ]
 
 
+ALIKE = dict.fromkeys(("gears.driven", "gears.material"), ", but the same for both gears")
+"""What is offered of keys of both gears of a pair."""
+
 MOST_PAIRS_WITH_MASSES = 2
 """Most pairs in series whose shaft between counts in power and knocks."""
 
@@ -106,12 +109,17 @@ class Design(Model, Shown):
     @property
     def stages(self) -> int:
         """Number of pairs of gears in series that make the ratio."""
-        return self.gears.pairs if self.gears and self.gears.pairs > 1 else self.motion.pairs_in_series
+        gears = self.gears
+        if gears and gears.idlers:
+            return 1 + len(gears.idlers.lobes)
+        return gears.pairs if gears and gears.pairs > 1 else self.motion.pairs_in_series
 
     @property
     def stages_said(self) -> tuple[str, str]:
         """Several pairs in words, as ``two pairs of gears``, and the key that asks for them."""
-        key = "gears.pairs" if self.gears and self.gears.pairs > 1 else "motion.second_stage"
+        gears = self.gears
+        given = gears and ("gears.idlers" if gears.idlers else "gears.pairs" if gears.pairs > 1 else "")
+        key = given or "motion.second_stage"
         return f"{COUNTS[self.stages]} pairs of gears", key
 
     @property
@@ -284,9 +292,42 @@ class Design(Model, Shown):
     def _stages_have_one_lobe(self) -> Faults:
         wished = self.optimize.limits.stages if self.optimize else 1
         lobes = (self.gears.lobes.driving, self.gears.lobes.driven) if self.gears else (1, 1)
+        if self.gears and self.gears.idlers:
+            return
         if (stages := max(self.stages, wished)) > 1 and lobes != (1, 1):
             said = f"{lobes[0]}:{lobes[1]} given, but {COUNTS[stages]} stages have one lobe each; leave it out"
             yield fault("gears.lobes", said)
+
+    def _idlers_are_plain_gears(self) -> Faults:
+        """A row has gears of one kind: the keys of one pair that have no meaning for an idler are refused."""
+        gears = self.gears
+        if gears is None or gears.idlers is None:
+            return
+        material, driving, driven = gears.material, gears.driving.model_dump(), gears.driven.model_dump()
+        asked = {
+            "linkage": not isinstance(self.linkage, NoLinkage),
+            "masses": self.masses is not None,
+            "motion.law": self.motion.is_open or self.motion.pairs_in_series > 1,
+            "strength.overload": self.strength.overload is not None,
+            "gears.pairs": gears.pairs > 1,
+            "gears.mesh": gears.mesh != "external",
+            "gears.helix": gears.helix is not None,
+            "gears.housing": gears.housing is not None,
+            "gears.method": gears.method != "exact",
+            "gears.index_holes": gears.index_holes,
+            "gears.backlash_deg": gears.backlash_deg is not None,
+            "gears.profile_shift": gears.profile_shift != type(gears.profile_shift)(),
+            "gears.cutter": gears.cutter != type(gears.cutter)(),
+            "gears.tolerances.tooth_thickness_upper_mm": gears.tolerances.tooth_thickness_upper_mm is not None,
+            "gears.driven": any(driven[name] != one for name, one in driving.items()),
+            "gears.material": material is not None and material.each[0] != material.each[1],
+        }
+        for key, is_given in asked.items():
+            if is_given:
+                yield fault(
+                    key,
+                    f"not offered for a row of gears with idlers{ALIKE.get(key, '')}; leave it out, or gears.idlers",
+                )
 
     def _shared_out(self) -> Faults:
         pairs = self.gears.pairs if self.gears else 1
