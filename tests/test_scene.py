@@ -107,7 +107,7 @@ def test_the_crank_turns_clockwise_and_gears_against_each_other_but_in_a_ring() 
 
 def test_rings_in_series_turn_alike() -> None:
     """No design has them: both mountings are seen from behind."""
-    first, last = mountings([Mesh.INTERNAL, Mesh.INTERNAL], [30.0, 40.0], radians(90.0))
+    first, last = mountings([Mesh.INTERNAL, Mesh.INTERNAL], [30.0, 40.0], [radians(90.0)] * 2)
     assert [first.hand, last.hand] == [-1.0, -1.0]
     assert [one.sense(gear) for one in (first, last) for gear in Gear] == [-1.0] * 4
     assert first.driving_axis_mm == pytest.approx((0.0, 70.0))

@@ -142,7 +142,7 @@ def measured(
     ] = 0.0,
     stage: Annotated[
         int | None,
-        typer.Option(metavar="N", min=1, max=2, help="Which of two pairs of gears in series was measured: 1 or 2."),
+        typer.Option(metavar="N", min=1, help="Which of several pairs of gears in series was measured."),
     ] = None,
     out: Annotated[Path | None, folder_option("-measured")] = None,
     as_json: AsJson = False,

@@ -36,6 +36,9 @@ def listed(names: Iterable[str], word: str = "or") -> str:
     return f"{', '.join(most)} {word} {last}" if most else last
 
 
+COUNTS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven")
+"""Small numbers in words."""
+
 LONGEST_NAME, LONGEST_DESCRIPTION = 64, 10_000
 NAME_PATTERN = rf"^[A-Za-z0-9_-]{{1,{LONGEST_NAME}}}$"
 NAME_RULE = f"letters, digits, - and _, at most {LONGEST_NAME} of them"

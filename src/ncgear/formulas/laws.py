@@ -25,7 +25,18 @@ from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.formula import Formula
 from ncgear.numerics.periodic_cubic import PeriodicCubic
 from ncgear.numerics.tape import ON_NUMBERS
-from ncgear.ratio.laws import ellipse, expression, function_generator, integrated, pitch_curve, spiral, table, uniform
+from ncgear.ratio.laws import (
+    ellipse,
+    expression,
+    function_generator,
+    integrated,
+    pitch_curve,
+    row,
+    shared,
+    spiral,
+    table,
+    uniform,
+)
 from ncgear.ratio.laws.harmonic import LogSeries
 from ncgear.ratio.laws.over_driven_angle import LogRatioLaw, StagedLaw
 from ncgear.ratio.laws.three_segment import approach_angle, braking_angle, pressing_angle
@@ -35,6 +46,8 @@ from ncgear.ratio.working_stroke import ClosedStroke
 
 INTEGRAL = "phi_2 is the integral of 1/i_12 over phi_1, which has no closed form"
 OVER_DRIVEN = "phi_1 is the integral of i_12 over phi_2, which has no closed form"
+SHARED = "the shafts between the pairs turn by integrals of powers of 1/i_12, which have no closed form"
+ROW = "the driven angle is that of all pairs of the row, one after the other"
 TRACED = "the pitch curve is followed point by point: its radius is known by a table of its angles"
 
 
@@ -329,5 +342,10 @@ FORMS: dict[Any, Form] = {
 }
 """Writers of the pieces of a law, by the function that makes its driven angle."""
 
-NO_FORMULA: dict[Any, str] = {pitch_curve.rolled: TRACED, pitch_curve.inverted_angle: TRACED}
+NO_FORMULA: dict[Any, str] = {
+    pitch_curve.rolled: TRACED,
+    pitch_curve.inverted_angle: TRACED,
+    shared.shared_angle: SHARED,
+    row.row_angle: ROW,
+}
 """Why a law has no closed form, by the function that makes its driven angle or its slope."""

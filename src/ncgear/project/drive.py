@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
+from ncgear.design.words import listed
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput, located
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
@@ -52,9 +53,9 @@ class Drive(Geared):
     Each of these is an attribute.  It computes only the attributes that it needs, so a check of power never makes a
     tooth.  Where it cannot be made it raises WrongInput or NoSuchMechanism, with key and place in the file.
 
-    Two pairs of gears in series are two stages.  Law and motion of such a design belong to the whole machine.  Pitch
+    Pairs of gears in series are stages.  Law and motion of such a design belong to the whole machine.  Pitch
     curves, teeth, contact, solids and strength belong to one pair: only the drives in ``by_stage`` have them, and their
-    ``stage`` is the number of the pair, 1 or 2.
+    ``stage`` is the number of the pair, from 1 on.
     """
 
     @computed
@@ -65,16 +66,19 @@ class Drive(Geared):
         return tuple(Drive(self.design, number, self.loaded, self) for number in range(1, self.design.stages + 1))
 
     def of_stage(self, stage: int | None) -> Drive:
-        """The drive of one pair of gears: of stage 1 or 2 of two pairs in series, or of the only pair with None.
+        """The drive of one pair of gears: of a stage of pairs in series, or of the only pair with None.
 
-        Raises WrongInput for a stage of a single pair, and for None with two pairs.
+        Raises WrongInput for a stage that is not there, and for None with several pairs.
         """
         if stage is None and self.design.stages > 1:
-            raise WrongInput(
-                "given: two pairs of gears; --stage 1 or --stage 2 says which one", key="motion.second_stage"
-            )
+            said, key = self.design.stages_said
+            numbers = listed(f"--stage {one.stage}" for one in self.by_stage)
+            raise WrongInput(f"given: {said}; {numbers} says which one", key=key)
         if stage is not None and self.design.stages == 1:
             raise WrongInput("has one pair of gears; leave out --stage", key="motion")
+        if stage is not None and stage > self.design.stages:
+            said, key = self.design.stages_said
+            raise WrongInput(f"given: {said}; there is no --stage {stage}", key=key)
         return self.by_stage[0 if stage is None else stage - 1]
 
     @computed
@@ -352,23 +356,22 @@ class Drive(Geared):
         return meshing_of(Simulation(), self.pitch, each, sides)
 
     @computed
-    def train_borne(self) -> tuple[BorneTorque, BorneTorque]:
-        """The torques on the teeth of two pairs in series, with the stiffness of the estimate."""
+    def train_borne(self) -> tuple[BorneTorque, ...]:
+        """The torques on the teeth of pairs in series, with the stiffness of the estimate; masses only of two."""
         from ncgear.contact.placement import BOTH_SIDES
         from ncgear.dynamics.flank_changes import BorneTorque
         from ncgear.project.forces import train_borne_by
         from ncgear.project.tooth_strength import methods_of
 
-        first, second = self.by_stage
-        if first.tooth_load.load != "masses":
-            cycle = self.transmission.cycle_rad
-            return BorneTorque(first.tooth_load.torque_n_mm, cycle), BorneTorque(second.tooth_load.torque_n_mm, cycle)
+        loads = [one.tooth_load for one in self.by_stage]
+        if loads[0].load != "masses":
+            return tuple(BorneTorque(load.torque_n_mm, self.transmission.cycle_rad) for load in loads)
         meshings = [
             one._bearing(methods_of("estimate", one.face_sections, one.materials, one.rims), one.materials, BOTH_SIDES)
-            for one in (first, second)
+            for one in self.by_stage
         ]
         with self.stopwatch("knocks"):
-            return train_borne_by((first.tooth_load, second.tooth_load), meshings)
+            return train_borne_by(loads, meshings)
 
     @computed
     def _any_meshing(self) -> Meshing:

@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from ncgear.teeth.backlash import Play
     from ncgear.teeth.form import ToothForm
     from ncgear.teeth.gear import ToothedPair
+    from ncgear.trains.chain import PairRow
 
 
 class Geared(Moving):
@@ -74,6 +75,9 @@ class Geared(Moving):
         gears, transmission = self.gears, self.pair.transmission
         with self.stopwatch("pitch curves"):
             size = size_of(gears, self.law)
+            if gears.idlers is not None and self.stage != 1:
+                before = self.whole.by_stage[(self.stage or 1) - 2].pitch.size
+                size = before.driven_teeth, before.module_mm, None
             reach, by_law = reach_in_pitches(gears), self.law.center_distance_mm is not None
             return sized_pair(transmission, *size, Mesh(gears.mesh), reach, by_law=by_law)
 
@@ -147,7 +151,8 @@ class Geared(Moving):
         """The play of the driven gear, the same at every position."""
         from ncgear.teeth.backlash import play_of
 
-        return play_of(self.pitch, self.rack, backlash_of(self.gears))
+        backlash = backlash_of(self.gears) if self.gears.idlers is None else self.whole.row_form.backlash
+        return play_of(self.pitch, self.rack, backlash)
 
     @property
     def helix(self) -> Helix | None:
@@ -168,6 +173,8 @@ class Geared(Moving):
         from ncgear.solids.helical.even_tips import with_even_tips
 
         require_pushing_flanks(self.pitch, self.gears.rack)
+        if self.gears.idlers is not None:
+            return self.whole.row_form
         form, pitch = tooth_form_of(self.gears, self.pitch.size.module_mm), self.pitch
         if self.helix is None:
             return form
@@ -181,10 +188,36 @@ class Geared(Moving):
         return tuple(replace(form, backlash=replace(form.backlash, thickness_mm=(one, one))) for one in limits)
 
     @computed
+    def row(self) -> PairRow:
+        """The pairs of a whole row of gears with idlers."""
+        from ncgear.trains.chain import PairRow
+
+        assert self.gears.idlers is not None
+        return PairRow(tuple(pair.pitch for pair in self.by_stage), self.gears.idlers.directions_rad)
+
+    @computed
+    def row_form(self) -> ToothForm:
+        """The form of the teeth of a whole row of gears, of which each thins the idle flanks by half of the play."""
+        from ncgear.trains.chain import row_form
+
+        return row_form(self.row, tooth_form_of(self.gears, self.row.pairs[0].size.module_mm))
+
+    @computed
+    def row_teeth(self) -> tuple[ToothedPair, ...]:
+        """Both toothed gears of each pair of a whole row."""
+        from ncgear.trains.chain import row_teeth
+
+        first = self.by_stage[0]
+        with self.stopwatch("teeth"), first.telling_the_finest():
+            return row_teeth(self.row, self.row_form, first.chord_tolerance_mm)
+
+    @computed
     def teeth(self) -> ToothedPair:
         """Both toothed gears."""
         from ncgear.teeth.gear import toothed_pair
 
+        if self.gears.idlers is not None:
+            return self.whole.row_teeth[(self.stage or 1) - 1]
         pitch, form = self.pitch, self.tooth_form
         with self.stopwatch("teeth"), self.telling_the_finest():
             return toothed_pair(pitch, form, self.chord_tolerance_mm)
@@ -481,9 +514,10 @@ class Geared(Moving):
         return self._rigid(lambda: self.uniform_driving)
 
     def require_one_stage(self) -> None:
-        """Raise WrongInput where there are two pairs of gears."""
+        """Raise WrongInput where there are several pairs of gears."""
         if self.design.stages > 1:
-            raise WrongInput("two pairs of gears; forces are computed of one", key="motion.second_stage")
+            said, key = self.design.stages_said
+            raise WrongInput(f"{said}; forces are computed of one", key=key)
 
     def _rigid(self, driving: Callable[[], DrivingShaft]) -> Rigid:
         from ncgear.dynamics.rigid import rigid_level

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from math import degrees, isclose, pi
 
 import numpy as np
@@ -29,6 +30,22 @@ def law_of(design: Design) -> Law:
 
     Raises WrongInput for values that contradict each other, NoSuchMechanism when no such motion exists.
     """
+    law, gears = _given_law(design), design.gears
+    if gears is not None and gears.idlers is not None:
+        from ncgear.ratio.laws.row import row_laws, row_train
+
+        lobes = gears.lobes.driving, gears.lobes.driven, *gears.idlers.lobes
+        laws = row_laws(law.transmission, lobes, gears.idlers.directions_rad, "gears.idlers")
+        return replace(law, train=row_train(laws))
+    if gears is None or gears.pairs == 1:
+        return law
+    from ncgear.ratio.laws.shared import shared_out
+
+    return replace(law, train=shared_out(law.transmission, gears.pairs))
+
+
+def _given_law(design: Design) -> Law:
+    """The law before it is shared out over pairs; of a row of gears, that of the first pair."""
     motion, lobes = design.motion, lobes_of(design)
     if motion.gives_stroke:
         return motion.law_on(mechanism_of_stroke(design.linkage, motion.solved_stroke_mm), lobes)
@@ -115,6 +132,8 @@ def load_of(design: Design) -> SliderLoad:
             if design.motion.is_open:
                 return SliderLoad(working)
             _refuse_a_seam(working)
+            if design.gears is not None and design.gears.idlers is not None:
+                _refuse_uneven_turns(working, (design.gears.lobes.driven, *design.gears.idlers.lobes))
             return SliderLoad(working, repeats_after=2.0 * pi)
         case RockerTorque():
             friction = N_MM_PER_N_M * given.friction_n_m
@@ -125,6 +144,23 @@ def load_of(design: Design) -> SliderLoad:
 
 SAME_TORQUE = 1e-9
 """Difference of the torque after a turn, as a share of the largest torque in it, that counts as zero."""
+
+
+def _refuse_uneven_turns(torque: Resistance, lobes: tuple[int, ...]) -> None:
+    """Refuse a torque on the last gear of a row that other gears do not meet again after a turn; raises WrongInput.
+
+    ``lobes`` are those of all driven gears.
+    """
+    last, turn = lobes[-1], np.linspace(0.0, 2.0 * pi, 181)
+    if all(one % last == 0 for one in lobes):
+        return
+    change = torque.force_n(np.mod(turn + 2.0 * pi / last, 2.0 * pi)) - torque.force_n(turn)
+    if np.abs(change).max() > SAME_TORQUE * np.abs(torque.force_n(turn)).max():
+        raise WrongInput(
+            f"the torque changes within a turn of the last gear, whose lobes ({last}) other gears do not have a "
+            f"multiple of; a torque that repeats every {360.0 / last:.6g} deg is right",
+            key="resistance",
+        )
 
 
 def _refuse_a_seam(torque: Resistance) -> None:

@@ -98,11 +98,10 @@ class Moving(Shown):
 
     @computed
     def pair(self) -> Pair:
-        """The law of one pair of gears; raises WrongInput where there are two pairs and this drive has no stage."""
+        """The law of one pair of gears; raises WrongInput where there are several and this drive has no stage."""
         if self.stage is None and self.design.stages > 1:
-            raise WrongInput(
-                "two pairs of gears, and one is asked for; Drive.by_stage has each", key="motion.second_stage"
-            )
+            said, key = self.design.stages_said
+            raise WrongInput(f"{said}, and one is asked for; Drive.by_stage has each", key=key)
         return self.law.train.pairs[(self.stage or 1) - 1]
 
     @property

@@ -119,9 +119,8 @@ def unknown(drive: Drive) -> WrongInput | None:
     if not design.loads_teeth:
         return WrongInput("missing; the load of the teeth needs it, or masses", key="resistance")
     if design.stages > 1 and drive.stage is None:
-        return WrongInput(
-            "two pairs of gears, each with a strength of its own; one pair is right here", key="motion.second_stage"
-        )
+        said, key = design.stages_said
+        return WrongInput(f"{said}, each with a strength of its own; one pair is right here", key=key)
     return None
 
 

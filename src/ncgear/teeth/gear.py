@@ -110,7 +110,21 @@ def toothed_pair(
     sides of the flanks (see ``ChordTolerance``).  With ``advance_mm`` all teeth stand farther along both pitch curves,
     as in a section of helical gears.  Raises NoSuchMechanism, naming gear and tooth, where no tooth can stand.
     """
-    kind, tips = pair_tips(pitch, form, advance_mm)
+    made = pair_tips(pitch, form, advance_mm)
+    return outlined_pair(pitch, form, made, tolerance_mm, flank_tolerance_mm=flank_tolerance_mm, straddling=straddling)
+
+
+def outlined_pair(
+    pitch: PitchPair,
+    form: ToothForm,
+    made: tuple[CutterKind, tuple[Tips, Tips]],
+    tolerance_mm: float,
+    *,
+    flank_tolerance_mm: float | None = None,
+    straddling: bool = False,
+) -> ToothedPair:
+    """Both gears of the flanks that ``pair_tips`` has ``made``, as ``toothed_pair``."""
+    kind, tips = made
     # Two chords astray by t turn the driven gear by 2 t / (r cos(angle)), the angle being that between the flanks'
     # normal and the way of the driven pitch point.
     angle = max(form.rack.angles_rad) + pitch.largest_tangent_angle_rad.value

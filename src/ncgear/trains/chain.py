@@ -1,10 +1,4 @@
-"""A row of gears on fixed axes: each gear meshes with the next, so an idler meshes with two mates.
-
-Gear 0 drives; gear k turns by theta_k, in the sense of the driving gear where k is even.  The law of the first mesh is
-given, and gives the curve of gear 1.  A place of an idler that faces the axis before it faces the next axis after the
-idler has turned by beta = pi + bend or pi - bend, where bend is the turn of the line of centres at the idler.  So the
-curve of gear 1, later by beta, is the curve of the driving gear of the second mesh; the mate's curve and the centre
-distance at which it closes follow, and so on along the row.
+"""A row of gears on fixed axes (``ratio/laws/row.py``): its teeth, and the row as a train.
 
 The first mesh of an idler decides where its teeth stand.  The arc length of its second mesh begins at the place that
 faces the next axis at theta_k = 0; from there the teeth are farther by the arc that rolls as the idler turns by beta.
@@ -22,23 +16,18 @@ import numpy as np
 from ncgear.errors import below, renamed
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.extrema import extremes
-from ncgear.numerics.jet import Jet
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
-from ncgear.ratio.laws.closed_curve import ClosedCurve, SmoothPart
-from ncgear.ratio.laws.pitch_curve import GivenCurve, closed_law
-from ncgear.ratio.transmission import Lobes, Piece, Transmission
+from ncgear.ratio.laws.row import beta_rad, row_train
+from ncgear.ratio.transmission import Transmission
 from ncgear.teeth.backlash import require_teeth
 from ncgear.teeth.fitting import PairTips, least_contact_ratio
 from ncgear.teeth.form import Backlash, Cutter, CutterKind, ToothForm
-from ncgear.teeth.gear import ToothedGear, pair_tips, toothed_gear
+from ncgear.teeth.gear import ToothedPair, outlined_pair, pair_tips, toothed_gear
 from ncgear.teeth.outline import ChordTolerance
 from ncgear.teeth.tips import Tips, held_below
 from ncgear.teeth.tool import least_concave_radius_mm, most_teeth
 from ncgear.trains.train import GearMesh, Part, Poses, Train, TrainFigures, contact_condition, mirrored
-
-BENDS = "train.bends_deg"
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,105 +69,78 @@ class PairRow:
             found.append(pair.transmission.driven_angle(found[-1]).value)
         return np.array(found)
 
-    def slope(self, driving_rad: Array, order: int) -> Jet:
-        """dtheta/dphi of the last gear with its derivative; ``order`` is 1."""
-        whole, bend, angle = np.ones(driving_rad.size), np.zeros(driving_rad.size), driving_rad
-        for pair in self.pairs:
-            one = pair.transmission.driven_angle(angle, 2)
-            bend = bend + one.derivative(2) / one.derivative(1) * whole
-            whole, angle = whole * one.derivative(1), one.value
-        return Jet(np.stack([whole, whole * bend])).truncated(order)
 
+def row_of(laws: Sequence[Transmission], directions_rad: Sequence[float], teeth: int, module_mm: float) -> PairRow:
+    """The row of meshes with these laws, from the teeth of the driving gear and the module.
 
-def _beta(directions_rad: Sequence[float], number: int) -> float:
-    """beta of the idler ``number``, from 1 on."""
-    bend = directions_rad[number] - directions_rad[number - 1]
-    return (pi + (bend if number % 2 == 0 else -bend)) % (2.0 * pi)
-
-
-def row_of(
-    first: Transmission, lobes: Sequence[int], directions_rad: Sequence[float], teeth: int, module_mm: float
-) -> PairRow:
-    """The row of gears with ``lobes``, from the law of the first pair, the teeth of the driving gear and the module.
-
-    Raises NoSuchMechanism where a mate does not close, and WrongInput for numbers of teeth that are not whole.
+    Raises NoSuchMechanism where pitch curves are no gears, and WrongInput for numbers of teeth that are not whole.
     """
-    with below("train"), renamed("motion", "ratio"):
-        pairs = [sized_pair(first, teeth, module_mm, None)]
-    for number in range(1, len(lobes) - 1):
-        before = pairs[-1]
-        given = GivenCurve(
-            lambda _, before=before: _driven_curve(before),  # type: ignore[misc]
-            None,
-            drawn=False,
-            driven=False,
-            phase_rad=_beta(directions_rad, number),
-            key=BENDS,
-        )
-        law = closed_law(given, Lobes(lobes[number], lobes[number + 1]), None)
-        with below("train"), renamed("motion", "ratio"):
-            pairs.append(sized_pair(law.transmission, before.size.driven_teeth, module_mm, None))
+    pairs = list[PitchPair]()
+    for law in laws:
+        pairs.append(sized_pair(law, pairs[-1].size.driven_teeth if pairs else teeth, module_mm, None))
     return PairRow(tuple(pairs), tuple(directions_rad))
 
 
-def _driven_curve(pair: PitchPair) -> ClosedCurve:
-    """The driven gear's curve over a turn, by the gear's turn at which a place faces the driving gear."""
-    law = pair.transmission
+def row_form(row: PairRow, form: ToothForm) -> ToothForm:
+    """The form of all teeth of a row, with its tool and with thinner teeth.
 
-    def part(piece: Piece, lobe: int) -> SmoothPart:
-        def polar(phi: Array, order: int) -> tuple[Jet, Jet]:
-            whole = piece.driven_angle(phi, order + 1)
-            radius = pair.center_distance_mm / (whole.differentiated() + 1.0)
-            return whole.truncated(order) + lobe * law.lobes.driven_period_rad, radius
-
-        return SmoothPart(piece.start_rad, piece.end_rad, polar, piece.knots_rad)
-
-    return ClosedCurve(tuple(part(piece, lobe) for lobe in range(law.lobes.driven) for piece in law.pieces))
-
-
-def row_gears(row: PairRow, form: ToothForm, tolerance_mm: float) -> tuple[list[ToothedGear], float]:
-    """All gears with teeth, each in its frame as the driven gear of its mesh, and the least contact ratio.
-
-    A rack cuts gears whose curves are all convex, else a pinion with as many teeth as fit into all hollows.  An idler's
-    tips are as high as both its meshes allow.  Raises NoSuchMechanism, naming gear and tooth, where no tooth can stand.
+    A rack cuts gears whose curves are all convex, else a pinion with as many teeth as fit into all hollows.  Half of
+    the play thins the idle flanks of each gear; in an idler's next mesh these flanks push.
     """
     cutter = Cutter(CutterKind.RACK)
     if any(least_concave_radius_mm(pair) is not None for pair in row.pairs):
         cutter = Cutter(CutterKind.PINION, max(min(most_teeth(pair, form.rack) for pair in row.pairs), 3))
-    # Half of the play thins the idle flanks of each gear; in an idler's next mesh these flanks push.
     thinner = form.backlash.least_normal_mm / cos(form.rack.angles_rad[1]) / 2.0
     require_teeth(form.backlash, thinner, form.rack)
-    form = replace(form, cutter=cutter, backlash=Backlash(thickness_mm=(-thinner, -thinner)))
-    advance, made = 0.0, list[PairTips]()
-    tips = list[Tips]()
+    return replace(form, cutter=cutter, backlash=Backlash(thickness_mm=(-thinner, -thinner)))
+
+
+def row_tips(row: PairRow, form: ToothForm) -> list[tuple[CutterKind, PairTips]]:
+    """The tool and the flanks of both gears of each mesh, for the form of ``row_form``.
+
+    An idler is in two meshes, and its tips are as high as both allow.  Raises NoSuchMechanism, naming gear and tooth,
+    where no tooth can stand.
+    """
+    thinner, pitch_mm = -form.backlash.thickness_mm[0], form.rack.pitch_mm
+    advance, made = 0.0, list[tuple[CutterKind, PairTips]]()
     for number, pair in enumerate(row.pairs):
-        rolled = 0.0
-        if number:
-            turned = np.array([_beta(row.directions_rad, number)])
-            rolled = float(pair.arc.length(turned)[0]) * pair.center_distance_mm
-            advance = (advance + form.rack.pitch_mm / 2.0 + rolled + thinner) % form.rack.pitch_mm
-        both = pair_tips(pair, form, advance)[1]
-        made.append(both)
-        tips = [*tips[:-1], _as_low_as_both(tips[-1], both[0], rolled), both[1]] if number else list(both)
-    chords = ChordTolerance(tolerance_mm, tolerance_mm)
-    return [toothed_gear(one, chords) for one in tips], min(least_contact_ratio(both) for both in made)
+        if not number:
+            made.append(pair_tips(pair, form, advance))
+            continue
+        turned = np.array([beta_rad(row.directions_rad, number)])
+        rolled = float(pair.arc.length(turned)[0]) * pair.center_distance_mm
+        advance = (advance + pitch_mm / 2.0 + rolled + thinner) % pitch_mm
+        kind, (first, idler) = made[-1]
+        tool, (own, mate) = pair_tips(pair, form, advance)
+        made[-1] = kind, (first, _as_low_as_both(idler, own, rolled))
+        made.append((tool, (_as_low_as_both(own, idler, -rolled), mate)))
+    return made
 
 
-def _as_low_as_both(first: Tips, second: Tips, rolled_mm: float) -> Tips:
-    """An idler of its first mesh, its tips no higher than in its second, where its flanks cross ``rolled_mm`` later."""
-    length = first.flanks.curve.length_mm
-    apart = (first.flanks.crossing_mm + rolled_mm)[:, None] - second.flanks.crossing_mm
+def row_teeth(row: PairRow, form: ToothForm, tolerance_mm: float) -> tuple[ToothedPair, ...]:
+    """Both toothed gears of each mesh, for the form of ``row_form``; raises as ``row_tips``."""
+    made = zip(row.pairs, row_tips(row, form), strict=True)
+    return tuple(outlined_pair(pair, form, tips, tolerance_mm) for pair, tips in made)
+
+
+def _as_low_as_both(own: Tips, other: Tips, rolled_mm: float) -> Tips:
+    """An idler of one mesh, its tips no higher than in its other, where its flanks cross ``rolled_mm`` later."""
+    length = own.flanks.curve.length_mm
+    apart = (own.flanks.crossing_mm + rolled_mm)[:, None] - other.flanks.crossing_mm
     there = np.abs(apart - length * np.round(apart / length)).argmin(axis=1)
-    lower = held_below(first, second.flanks.tip_height_mm[there])
-    return replace(lower, met_depth_mm=np.maximum(first.met_depth_mm, second.met_depth_mm[there]))
+    lower = held_below(own, other.flanks.tip_height_mm[there])
+    return replace(lower, met_depth_mm=np.maximum(own.met_depth_mm, other.met_depth_mm[there]))
 
 
 def chain_train(
     row: PairRow, form: ToothForm, width_mm: float, bore_mm: float | None, speed_rpm: float, tolerance_mm: float
 ) -> Train:
-    """The row as a train; raises as ``row_gears``."""
+    """The row as a train; raises as ``row_tips``."""
     with below("train"), renamed("motion", "ratio"):
-        gears, ratio = row_gears(row, form, tolerance_mm)
+        made = [tips for _, tips in row_tips(row, row_form(row, form))]
+        chords = ChordTolerance(tolerance_mm, tolerance_mm)
+        gears = [toothed_gear(one, chords) for one in (made[0][0], *(driven for _, driven in made))]
+    ratio = min(least_contact_ratio(both) for both in made)
     parts, axes = [], row.axes_mm
     for number, gear in enumerate(gears):
         # The outline is made for a driven gear, which turns clockwise; gears 2, 4, ... turn counter-clockwise.
@@ -198,8 +160,7 @@ def chain_train(
 
 
 def _told(row: PairRow, contact_ratio: float) -> TrainFigures:
-    # Speed of the last gear over the speed of the first
-    slow, fast = extremes(lambda driving: row.slope(driving, 1), 0.0, row.cycle_rad)
+    low, high = row_train([pair.transmission for pair in row.pairs]).whole.ratio_range
     distances = [pair.center_distance_mm for pair in row.pairs]
     convex = [pair.convex(gear) for pair in row.pairs for gear in Gear]
     rows = (
@@ -207,16 +168,16 @@ def _told(row: PairRow, contact_ratio: float) -> TrainFigures:
         ("axes", f"{', '.join(f'{one:.6g}' for one in distances)} mm apart"),
         (
             "ratio",
-            f"{1.0 / fast.value:.5g} at {degrees(fast.at):.4g} deg to {1.0 / slow.value:.5g} at "
-            f"{degrees(slow.at):.4g} deg from the first gear to the last",
+            f"{low.value:.5g} at {degrees(low.at):.4g} deg to {high.value:.5g} at {degrees(high.at):.4g} deg from the "
+            "first gear to the last",
         ),
         ("pitch curves", "all convex" if all(convex) else "some concave: a pinion cuts all gears"),
     )
     figures = {
         "teeth": list(row.teeth),
         "center_distances_mm": distances,
-        "ratio_min": 1.0 / fast.value,
-        "ratio_max": 1.0 / slow.value,
+        "ratio_min": low.value,
+        "ratio_max": high.value,
         "contact_ratio_min": contact_ratio,
     }
     condition = contact_condition(contact_ratio, "more teeth (train.gears.teeth)")

@@ -25,7 +25,7 @@ from ncgear.design.mechanisms import MECHANISMS, NO_LINKAGE, entry_of, kind_name
 from ncgear.design.reading.text import quoted
 from ncgear.design.trains.registry import TrainFile, train_models
 from ncgear.design.wishes.registry import Wishes
-from ncgear.design.words import LONGEST_DESCRIPTION, NAME_PATTERN, listed
+from ncgear.design.words import COUNTS, LONGEST_DESCRIPTION, NAME_PATTERN, listed
 from ncgear.errors import WrongInput
 from ncgear.shown import Shown
 
@@ -41,6 +41,13 @@ else:
             discriminator="law", description="how the slider moves, or how the ratio runs; `law` says which law it is"
         ),
     ]
+
+
+ALIKE = dict.fromkeys(("gears.driven", "gears.material"), ", but the same for both gears")
+"""What is offered of keys of both gears of a pair."""
+
+MOST_PAIRS_WITH_MASSES = 2
+"""Most pairs in series whose shaft between counts in power and knocks."""
 
 
 class Design(Model, Shown):
@@ -102,7 +109,18 @@ class Design(Model, Shown):
     @property
     def stages(self) -> int:
         """Number of pairs of gears in series that make the ratio."""
-        return self.motion.pairs_in_series
+        gears = self.gears
+        if gears and gears.idlers:
+            return 1 + len(gears.idlers.lobes)
+        return gears.pairs if gears and gears.pairs > 1 else self.motion.pairs_in_series
+
+    @property
+    def stages_said(self) -> tuple[str, str]:
+        """Several pairs in words, as ``two pairs of gears``, and the key that asks for them."""
+        gears = self.gears
+        given = gears and ("gears.idlers" if gears.idlers else "gears.pairs" if gears.pairs > 1 else "")
+        key = given or "motion.second_stage"
+        return f"{COUNTS[self.stages]} pairs of gears", key
 
     @property
     def loads_teeth(self) -> bool:
@@ -243,7 +261,7 @@ class Design(Model, Shown):
         """
         gears = self.gears
         if self.drivetrain is not None and self.stages > 1:
-            yield fault("drivetrain", "given, but forces are computed of one pair of gears; leave it out of two stages")
+            yield fault("drivetrain", "given, but forces are computed of one pair of gears; leave it out of several")
         if not self.motion.is_open:
             for body in ("driving", "driven"):
                 if gears is not None and getattr(gears, body).end_stop is not None:
@@ -274,8 +292,63 @@ class Design(Model, Shown):
     def _stages_have_one_lobe(self) -> Faults:
         wished = self.optimize.limits.stages if self.optimize else 1
         lobes = (self.gears.lobes.driving, self.gears.lobes.driven) if self.gears else (1, 1)
-        if max(self.stages, wished) > 1 and lobes != (1, 1):
-            yield fault("gears.lobes", f"{lobes[0]}:{lobes[1]} given, but two stages have one lobe each; leave it out")
+        if self.gears and self.gears.idlers:
+            return
+        if (stages := max(self.stages, wished)) > 1 and lobes != (1, 1):
+            said = f"{lobes[0]}:{lobes[1]} given, but {COUNTS[stages]} stages have one lobe each; leave it out"
+            yield fault("gears.lobes", said)
+
+    def _idlers_are_plain_gears(self) -> Faults:
+        """A row has gears of one kind: the keys of one pair that have no meaning for an idler are refused."""
+        gears = self.gears
+        if gears is None or gears.idlers is None:
+            return
+        material, driving, driven = gears.material, gears.driving.model_dump(), gears.driven.model_dump()
+        asked = {
+            "linkage": not isinstance(self.linkage, NoLinkage),
+            "masses": self.masses is not None,
+            "motion.law": self.motion.is_open or self.motion.pairs_in_series > 1,
+            "strength.overload": self.strength.overload is not None,
+            "gears.pairs": gears.pairs > 1,
+            "gears.mesh": gears.mesh != "external",
+            "gears.helix": gears.helix is not None,
+            "gears.housing": gears.housing is not None,
+            "gears.method": gears.method != "exact",
+            "gears.index_holes": gears.index_holes,
+            "gears.backlash_deg": gears.backlash_deg is not None,
+            "gears.profile_shift": gears.profile_shift != type(gears.profile_shift)(),
+            "gears.cutter": gears.cutter != type(gears.cutter)(),
+            "gears.tolerances.tooth_thickness_upper_mm": gears.tolerances.tooth_thickness_upper_mm is not None,
+            "gears.driven": any(driven[name] != one for name, one in driving.items()),
+            "gears.material": material is not None and material.each[0] != material.each[1],
+        }
+        for key, is_given in asked.items():
+            if is_given:
+                yield fault(
+                    key,
+                    f"not offered for a row of gears with idlers{ALIKE.get(key, '')}; leave it out, or gears.idlers",
+                )
+
+    def _shared_out(self) -> Faults:
+        pairs = self.gears.pairs if self.gears else 1
+        if pairs == 1:
+            return
+        reasons = {
+            f"{self.motion.law} gives the gears over a range, less than a turn": self.motion.is_open,
+            f"the distance of the axes follows from {self.motion.law}": self.motion.gives_center_distance,
+            "motion.second_stage shares the ratio already": self.motion.pairs_in_series > 1,
+            "optimize.limits.stages has the ratio shared by the search": self.optimize is not None
+            and self.optimize.limits.stages > 1,
+        }
+        for why, holds in reasons.items():
+            if holds:
+                yield fault("gears.pairs", f"{pairs} given, but {why}; leave one of them out")
+        if pairs > MOST_PAIRS_WITH_MASSES and self.masses is not None:
+            yield fault(
+                "masses",
+                f"given, but the shafts between {pairs} pairs are not counted; leave it out, or gears.pairs: "
+                f"{MOST_PAIRS_WITH_MASSES} is right",
+            )
 
 
 def design_model(data: Any) -> type[Design]:

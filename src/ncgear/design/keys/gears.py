@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import accumulate
 from math import pi, radians
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
@@ -219,6 +220,8 @@ class Tolerances(Model):
 
 MOST_LOBES = 100
 
+MOST_PAIRS = 6
+
 
 SIZES = ("teeth", "module_mm", "center_distance_mm")
 """Keys that give the pitch curves their size: two of them, or one of the first two if the law gives the last."""
@@ -229,6 +232,32 @@ class Lobes(Model):
 
     driving: int = optional("lobes of the driving gear, a whole number", 1, ge=1, le=MOST_LOBES)
     driven: int = optional("lobes of the driven gear, a whole number", 1, ge=1, le=MOST_LOBES)
+
+
+MOST_IDLERS = 10
+
+Lobe = Annotated[int, Field(ge=1, le=64)]
+Bend = Annotated[float, Field(ge=-150.0, le=150.0)]
+
+
+class Idlers(Model):
+    """Further gears in a row behind the driven one: each meshes with the gear before, which so is an idler."""
+
+    lobes: Annotated[Several[Lobe], Field(min_length=1, max_length=MOST_IDLERS)] = required(
+        "lobes of each further gear, whole numbers; their count is the number of idlers"
+    )
+    bends_deg: Annotated[Several[Bend], Field(max_length=MOST_IDLERS)] = optional(
+        "by how many degrees the line of centres turns at each idler, counter-clockwise; left out: a straight row", ()
+    )
+
+    def _faults(self) -> Faults:
+        if self.bends_deg and len(self.bends_deg) != len(self.lobes):
+            yield fault("bends_deg", f"{len(self.bends_deg)} given for {len(self.lobes)} idlers; as many are right")
+
+    @property
+    def directions_rad(self) -> tuple[float, ...]:
+        """Directions of all lines of centres against the first."""
+        return (0.0, *accumulate(map(radians, self.bends_deg or [0.0] * len(self.lobes))))
 
 
 class Gears(Model):
@@ -246,6 +275,16 @@ class Gears(Model):
         "external",
     )
     lobes: Lobes = optional("lobes of each gear; left out: one each", Lobes)
+    pairs: int = optional(
+        "pairs in series that make the ratio, a whole number, each as these keys describe: each takes an equal part of "
+        "the logarithm of the ratio",
+        1,
+        ge=1,
+        le=MOST_PAIRS,
+    )
+    idlers: Idlers | None = optional(
+        "gears by themselves: further gears in a row, so that the driven gear of a pair drives the next; left out: none"
+    )
     teeth: Annotated[int, Field(ge=3, le=MOST_TEETH)] | None = optional(
         "teeth of the driving gear, a whole number; of gears that turn less than once, the pitches from end to end of "
         "the range (no more than one tooth is added at each end)"

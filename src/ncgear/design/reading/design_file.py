@@ -65,8 +65,25 @@ class LoadedDesign:
 
 
 def load(path: Path) -> LoadedDesign:
-    """Read and check a design file; WrongInput says where and what is wrong, up to ten faults in the file's order."""
-    return parsed(read_text(path, limit_mb=LARGEST_MB), path)
+    """Read and check a design file; WrongInput says where and what is wrong, up to ten faults in the file's order.
+
+    A train that is a machine of gears by themselves is read as such a machine.
+    """
+    text = read_text(path, limit_mb=LARGEST_MB)
+    document = read_yaml(text, str(path))
+    if isinstance(document.data, dict) and "train" in document.data:
+        document = _as_machine(document)
+    return design_of(document, text, path)
+
+
+def _as_machine(document: Document) -> Document:
+    """The file of a train as that of the machine that it is, with the places of its keys; itself where it is none."""
+    file = _train_of(document).file
+    keys = file.train.machine()
+    if keys is None:
+        return document
+    places = {key.removeprefix("train."): place for key, place in document.places.items()}
+    return Document({"name": file.name, "description": file.description, **keys}, places)
 
 
 def parsed(text: str, path: Path) -> LoadedDesign:
@@ -151,6 +168,10 @@ def load_train(path: Path) -> LoadedTrain:
     document = read_yaml(read_text(path, limit_mb=LARGEST_MB), str(path))
     if not isinstance(document.data, dict) or "train" not in document.data:
         raise WrongInput("holds no train; a train file has name: and train:", location=str(document.place("")))
+    return _train_of(document)
+
+
+def _train_of(document: Document) -> LoadedTrain:
     source = Source(document, {})
     with located(source):
         model = train_model(document.data)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from math import radians
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from pydantic import Field
 
@@ -59,6 +59,13 @@ class TrainKeys(Model):
                     key="train.gears.rim_mm",
                 )
         return made
+
+    def machine(self) -> dict[str, Any] | None:
+        """The keys of the same gears in the file of one machine, by themselves, so that every command takes them.
+
+        Keys of gears are those below ``train.gears``, if they have the same names; None for a kind that is no machine.
+        """
+        return None
 
     @abstractmethod
     def _made(self) -> Train:

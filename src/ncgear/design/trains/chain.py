@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 from math import radians
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
 
 from ncgear.design.keys.base import FORMULA, Expression, Length, Several, optional, required
+from ncgear.design.keys.gears import MOST_IDLERS, Bend, Lobe
+from ncgear.design.keys.machine import ShaftTorque
+from ncgear.design.keys.strength import StrengthKeys, WrittenMaterials
+from ncgear.design.keys.tolerances import AssemblyTolerances
 from ncgear.design.trains.base import TrainGears, TrainKeys
-from ncgear.errors import WrongInput, renamed
+from ncgear.errors import WrongInput, below, renamed
 
 if TYPE_CHECKING:
     from ncgear.ratio.transmission import Lobes, Transmission
     from ncgear.trains.train import Train
 
-MOST_GEARS = 12
-Lobe = Annotated[int, Field(ge=1, le=64)]
-Bend = Annotated[float, Field(ge=-150.0, le=150.0)]
+MOST_GEARS = 2 + MOST_IDLERS
+BENDS = "bends_deg"
 
 
 class ChainGears(TrainGears):
@@ -25,6 +28,10 @@ class ChainGears(TrainGears):
 
     module_mm: Length = required("module in mm; the distances of the axes follow")
     teeth: int = required("teeth of the first gear, a whole number", ge=8, le=1000)
+    material: WrittenMaterials | None = optional(
+        "material of all gears by its name in docs/materials.md, as 42CrMo4 or POM; left out: 42CrMo4 is assumed where "
+        "strength is computed"
+    )
 
 
 class Chain(TrainKeys):
@@ -49,10 +56,48 @@ class Chain(TrainKeys):
         "place of a ratio; a circle about its axis makes all gears round"
     )
     gears: ChainGears = required("the teeth and the bodies of all gears")
+    resistance: ShaftTorque | None = optional(
+        "the torque against the last gear over its angle, for strength, tolerances and reports; left out: none"
+    )
+    strength: StrengthKeys = optional(
+        "running conditions and safeties of the teeth; left out: 20 000 h in oil", StrengthKeys
+    )
+    tolerances: AssemblyTolerances | None = optional(
+        "permissible deviations of gears and assembly, for ncgear tolerance; left out: grade 8 and more, which its "
+        "answer tells"
+    )
+
+    def machine(self) -> dict[str, Any]:
+        """A pair of gears by themselves whose driven gear drives the others."""
+        given = self.model_dump(by_alias=True, exclude_unset=True)
+        body = {"bore_mm": self.gears.bore_mm} if self.gears.bore_mm else {}
+        kept = ("teeth", "module_mm", "face_width_mm", "rack", "backlash_mm", "material")
+        gears = {key: given["gears"][key] for key in kept if key in given["gears"]}
+        gears |= {"lobes": {"driving": self.lobes[0], "driven": self.lobes[1]}, "driving": body, "driven": body}
+        if further := list(self.lobes[2:]):
+            bends = {"bends_deg": list(self.bends_deg)} if self.bends_deg else {}
+            gears["idlers"] = {"lobes": further, **bends}
+        return {
+            "operation": {"speed_rpm": self.speed_rpm},
+            "motion": self._motion,
+            "gears": gears,
+            "output": {"chord_tolerance_mm": self.gears.chord_mm(self.gears.module_mm)},
+            **{key: given[key] for key in ("resistance", "strength", "tolerances") if given.get(key) is not None},
+        }
+
+    @property
+    def _motion(self) -> dict[str, Any]:
+        """The law of the first mesh."""
+        if self.idler_radius is not None:
+            return {"law": "pitch_curve", "gear": "driven", "expression_mm": self.idler_radius, "solve_for": "scale"}
+        if self.ratio is None:
+            return {"law": "uniform_crank"}
+        return {"law": "ratio_expression", "ratio": self.ratio, "scale_to_close": True}
 
     def _made(self) -> Train:
         import numpy as np
 
+        from ncgear.ratio.laws.row import row_laws
         from ncgear.ratio.transmission import Lobes
         from ncgear.trains.chain import chain_train, row_of
 
@@ -67,7 +112,9 @@ class Chain(TrainKeys):
         gears = self.gears
         with renamed("motion", "train"):
             first = self._first(Lobes(self.lobes[0], self.lobes[1]))
-            row = row_of(first, self.lobes, directions, gears.teeth, gears.module_mm)
+        with below("train"), renamed("motion", "ratio"):
+            laws = row_laws(first, self.lobes, directions, BENDS)
+            row = row_of(laws, directions, gears.teeth, gears.module_mm)
         form = gears.form(gears.module_mm)
         return chain_train(
             row, form, gears.face_width_mm, gears.bore_mm, self.speed_rpm, gears.chord_mm(gears.module_mm)

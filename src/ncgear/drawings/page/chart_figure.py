@@ -19,7 +19,12 @@ ALIKE = 1e-9
 below every shown digit."""
 
 DRIVING, BETWEEN = "driving", "between"
-"""The shafts whose angle can be the horizontal axis: the driving shaft, and the shaft between two stages."""
+"""The shafts whose angle can be the horizontal axis: the driving shaft, and the first shaft between two stages."""
+
+
+def shaft_of(stage: int) -> str:
+    """The name of the shaft that drives a stage, from 1 on; scripts of the page know it by that name."""
+    return DRIVING if stage == 1 else BETWEEN if stage == 2 else f"{BETWEEN}-{stage - 1}"
 
 
 @dataclass(frozen=True, eq=False)

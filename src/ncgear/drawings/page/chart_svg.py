@@ -19,7 +19,7 @@ from matplotlib.ticker import MaxNLocator, MultipleLocator
 
 from ncgear.drawings.charts.chart import Chart, Role
 from ncgear.drawings.charts.drawer import DASHED, Look, draw
-from ncgear.drawings.page.chart_figure import BETWEEN, DRIVING, ChartFigure, PageChart
+from ncgear.drawings.page.chart_figure import DRIVING, ChartFigure, PageChart
 from ncgear.drawings.plots.canvas import JOINT
 
 Size = tuple[float, float]
@@ -67,8 +67,6 @@ SETTINGS: dict[Any, Any] = {
 
 NO_METADATA = dict.fromkeys(("Date", "Creator", "Format", "Type"))
 
-ANGLE_NAMES = {DRIVING: "driving angle in deg", BETWEEN: "angle of the shaft between in deg"}
-
 
 def _dress(axes: Axes, chart: Chart, _: str) -> None:
     """Put few numbers, a faint grid, and no frame on sides without a scale; the unit is in the chart's heading."""
@@ -115,7 +113,8 @@ def drawn(page_chart: PageChart, size: Size = OF_REPORT) -> ChartFigure:
         FigureCanvasSVG(made)
         axes = made.subplots()
         draw(axes, page_chart.chart, PAGE_LOOK)
-        axes.set_xlabel(ANGLE_NAMES[page_chart.shaft], size=TEXT_SIZE, color=INK)
+        of = "driving angle" if page_chart.shaft == DRIVING else "angle of the shaft between"
+        axes.set_xlabel(f"{of} in deg", size=TEXT_SIZE, color=INK)
         left, right = _margins(axes)
         made.subplots_adjust(left / width, 38.0 / height, 1.0 - right / width, 1.0 - 8.0 / height)
         text = StringIO()

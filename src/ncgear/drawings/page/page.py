@@ -18,6 +18,7 @@ from ncgear.contact.pair import PairContact
 from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.drawings.beside import HERE, PAGE_CHARTS, Drawer
 from ncgear.drawings.page.assets import PACKAGE, asset, hash_of, in_own_scope, page_style, shared_script
+from ncgear.drawings.page.chart_figure import shaft_of
 from ncgear.drawings.page.data import paces, page_data
 from ncgear.drawings.page.motion_charts import motion_charts
 from ncgear.drawings.page.page_charts import gear_charts
@@ -38,6 +39,7 @@ from ncgear.figures.answers.machine import gear_facts, machine_facts
 from ncgear.figures.comparison import comparison_rows, comparison_tables
 from ncgear.figures.data_sheet.sheet import data_sheet
 from ncgear.figures.numbers import shown
+from ncgear.figures.summary.check_summary import names_between
 from ncgear.figures.wished import achieved_lines
 from ncgear.project.drive import Drive
 
@@ -77,7 +79,7 @@ def report_page(
     about_design = {
         "design": drive.design,
         "has_gears": drive.design.gears is not None,
-        "staged": drive.design.stages > 1,
+        "shafts_between": [(name, shaft_of(number)) for number, name in enumerate(names_between(drive), start=2)],
         "speed": shown(drive.design.operation.speed_rpm),
         "achieved": achieved_lines(drive.achieved, drive.linkage) if drive.achieved else [],
         "comparison": comparison_tables(comparison_rows(drive)),

@@ -17,7 +17,7 @@ from ncgear.contact.pair import PairContact
 from ncgear.drawings.charts import teeth_charts
 from ncgear.drawings.charts.chart import Chart, ChartLine, Role, joints_up_to
 from ncgear.drawings.charts.slider_charts import RATIO_NAME
-from ncgear.drawings.page.chart_figure import BETWEEN, DRIVING, PageChart
+from ncgear.drawings.page.chart_figure import PageChart, shaft_of
 from ncgear.drawings.page.motion_charts import split_angles
 from ncgear.numerics.arrays import distinct
 from ncgear.project.drive import Drive
@@ -37,7 +37,7 @@ def charts_of_pair(drive: Drive, written: Iterable[Chart], cycle_rad: float) -> 
     charts = {chart.name.replace(" ", "_"): replace(chart, joints_deg=joints) for chart in found}
     if drive.stage is None:
         return [PageChart(key, chart) for key, chart in charts.items()]
-    shaft, of_stage = DRIVING if drive.stage == 1 else BETWEEN, f", stage {drive.stage}"
+    shaft, of_stage = shaft_of(drive.stage), f", stage {drive.stage}"
     ratio = replace(ratio_chart(drive.pair.transmission, cycle_rad), joints_deg=joints)
     return [
         PageChart(f"{key}_{drive.stage}", replace(chart, name=f"{chart.name}{of_stage}"), shaft)

@@ -16,6 +16,7 @@ from math import cos, pi, radians, sin
 import numpy as np
 from shapely import Polygon
 
+from ncgear.design.keys.gears import Gears
 from ncgear.drawings.scene.bodies import Body, BodyKind, BodyPlaces
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
@@ -63,16 +64,19 @@ class Mounting:
         return points
 
 
-def mountings(meshes: Sequence[Mesh], center_distances_mm: Sequence[float], driving_axis_rad: float) -> list[Mounting]:
+def mountings(
+    meshes: Sequence[Mesh], center_distances_mm: Sequence[float], driving_axes_rad: Sequence[float]
+) -> list[Mounting]:
     """The mountings of pairs in series, in their order; the last pair turns the crank.
 
-    ``driving_axis_rad`` is the direction from the crank's axis to the driving axis, counter-clockwise from +x.
+    ``driving_axes_rad`` are the directions from the driven to the driving axis of each pair, counter-clockwise from +x.
     """
     made: list[Mounting] = []
     sense, axis = CRANK_SENSE, (0.0, 0.0)
-    for mesh, distance in zip(reversed(meshes), reversed(center_distances_mm), strict=True):
-        before = axis[0] + distance * cos(driving_axis_rad), axis[1] + distance * sin(driving_axis_rad)
-        made.insert(0, Mounting(mesh, before, axis, driving_axis_rad - pi, sense * mesh.sense))
+    from_last = zip(reversed(meshes), reversed(center_distances_mm), reversed(driving_axes_rad), strict=True)
+    for mesh, distance, direction in from_last:
+        before = axis[0] + distance * cos(direction), axis[1] + distance * sin(direction)
+        made.insert(0, Mounting(mesh, before, axis, direction - pi, sense * mesh.sense))
         sense, axis = sense * mesh.sense, before
     return made
 
@@ -169,9 +173,18 @@ def scene_pairs(drive: Drive, shape: Callable[[Drive, Gear], GearShape] = whole_
         return ()
     pitches = [pair.pitch for pair in drive.by_stage]
     distances = [pitch.center_distance_mm for pitch in pitches]
-    found = mountings([pitch.mesh for pitch in pitches], distances, radians(gears.driving_axis_deg))
+    found = mountings([pitch.mesh for pitch in pitches], distances, _driving_axes_rad(gears, len(pitches)))
     placed = zip(drive.by_stage, found, strict=True)
     return tuple(_pair(pair, number, mounting, shape) for number, (pair, mounting) in enumerate(placed))
+
+
+def _driving_axes_rad(gears: Gears, count: int) -> list[float]:
+    """The directions to the driving axis of each pair; a row of an even number of pairs is seen from behind."""
+    last = radians(gears.driving_axis_deg)
+    if gears.idlers is None:
+        return [last] * count
+    turned, hand = gears.idlers.directions_rad, 1.0 if count % 2 else -1.0
+    return [last + hand * (one - turned[-1]) for one in turned]
 
 
 def _pair(drive: Drive, number: int, mounting: Mounting, shape: Callable[[Drive, Gear], GearShape]) -> ScenePair:

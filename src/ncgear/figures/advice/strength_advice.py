@@ -221,7 +221,7 @@ def _together(drive: Drive) -> Remedy:
     """Several sizes at once; they are not searched for where two pairs of gears share them."""
     if drive.stage is None:
         return Remedy(f"let {SIZE} find module, teeth and face width together", short=SIZE)
-    words = "change material, module and face width together; both stages share them"
+    words = "change material, module and face width together; all stages share them"
     return Remedy(words, short="material, module and face width together")
 
 

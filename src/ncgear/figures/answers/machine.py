@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import pi
 from operator import itemgetter
 
+from ncgear.design.words import COUNTS
 from ncgear.figures.advice.law_advice import speeds
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.answer import COLUMNS, INDENT, Answer, Row, difference, faults_of, in_one_line, row
@@ -73,7 +74,7 @@ def head_of(drive: Drive) -> str:
         stroke = f"stroke {shown(place.factor * linkage.stroke_mm)} {place.text}"
         moved = [stroke, f"{strokes} strokes a minute", *driven]
     mechanism = linkage.NAME.removeprefix("a ").removeprefix("the ")
-    stages = " in two stages" if design.stages > 1 else ""
+    stages = f" in {COUNTS[design.stages]} stages" if design.stages > 1 else ""
     return f"{design.name}: {', '.join([mechanism + stages, *moved, f'law {design.motion.law}'])}"
 
 

@@ -59,7 +59,7 @@ def _drive(drive: Drive) -> dict[str, Any]:
 
 
 def stages_summary(drive: Drive) -> dict[str, Any]:
-    """The section of two pairs in series: the number of the drive's own stage, or else ratios and angles of both.
+    """The section of pairs in series: the number of the drive's own stage, or else ratios and angles of all.
 
     The number stands with the place of the stage in the machine; phi1 of the stage is the angle of its driving gear.
     """
@@ -67,17 +67,24 @@ def stages_summary(drive: Drive) -> dict[str, Any]:
         return {}
     if drive.stage is None:
         return {"stages": {f"stage_{pair.stage}": _range_and_angle(pair) for pair in drive.by_stage}}
-    first, between = drive.stage == 1, "shaft between the stages"
+    count, number = drive.design.stages, drive.stage
+    shafts = ["driving shaft", *names_between(drive), "crank shaft"]
     return {
         "stage": {
-            "number": drive.stage,
-            "of": drive.design.stages,
-            "driving_gear_on": "driving shaft" if first else between,
-            "driven_gear_on": between if first else "crank shaft",
-            # The first pair turns the shaft between them the other way round.
-            "seen_from": "driving end" if first else "other end of the shafts",
+            "number": number,
+            "of": count,
+            "driving_gear_on": shafts[number - 1],
+            "driven_gear_on": shafts[number],
+            # Each pair turns the next shaft the other way round.
+            "seen_from": "driving end" if number % 2 else "other end of the shafts",
         }
     }
+
+
+def names_between(drive: Drive) -> list[str]:
+    """The shafts between the pairs of a machine in words, from the driving shaft on."""
+    count = drive.design.stages
+    return [f"shaft between {'the stages' if count == 2 else f'stages {n} and {n + 1}'}" for n in range(1, count)]
 
 
 def _range_and_angle(drive: Drive) -> dict[str, Any]:

@@ -9,7 +9,8 @@ function degreesAt(scene, deg) {
   const crank = angles[angles.length - 1];
   // Whatever the lobes, the crank comes round as often as it does on circular gears.
   const turns = scene.driven_angle(scene.loop) / scene.loop;
-  return { driving: deg, between: angles[1], driven: crank, uniform: turns * deg };
+  const between = angles.slice(1, -1).map((angle, i) => [i ? `between-${i + 1}` : "between", angle]);
+  return { driving: deg, ...Object.fromEntries(between), driven: crank, uniform: turns * deg };
 }
 
 // The driving angle at which a shaft has turned so far: angles grow together.

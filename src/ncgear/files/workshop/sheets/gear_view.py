@@ -58,7 +58,7 @@ FIFTH_UNDER_MM = 5.0
 def mounting_of(drive: Drive) -> Mounting:
     """How the pair is mounted in the machine, as if its driven gear turned the crank."""
     pitch, direction = drive.pitch, radians(drive.gears.driving_axis_deg)
-    return mountings([pitch.mesh], [pitch.center_distance_mm], direction)[0]
+    return mountings([pitch.mesh], [pitch.center_distance_mm], [direction])[0]
 
 
 def turns_crank(drive: Drive) -> bool:

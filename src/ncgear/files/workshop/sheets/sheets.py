@@ -166,7 +166,7 @@ def _gears(drive: Drive, plans: dict[Gear, BodyPlan], views: dict[Gear, PaperVie
     if all(plans[gear].index_hole for gear in Gear):
         board.add(Text(FACING, (box.left, box.high - paper.LETTER_MM - 1.0)))
     if drive.stage is not None and not turns_crank(drive):
-        board.add(Text(FIRST_STAGE, (box.left, box.high - 2.0 * (paper.LETTER_MM + 1.0) - 1.0)))
+        board.add(Text(BEFORE_LAST.format(drive.stage + 1), (box.left, box.high - 2.0 * (paper.LETTER_MM + 1.0) - 1.0)))
     if turns_crank(drive):
         _draw_crank(
             board, drive, axes[1], np.vstack([item.points for item in board.items if isinstance(item, SheetLine)])
@@ -192,7 +192,7 @@ def _gears(drive: Drive, plans: dict[Gear, BodyPlan], views: dict[Gear, PaperVie
 
 
 FACING = "The index holes face each other on the line of centres."
-FIRST_STAGE = "The shaft of the driven gear turns the driving gear of stage 2."
+BEFORE_LAST = "The shaft of the driven gear turns the driving gear of stage {}."
 
 
 def _draw_crank(board: Board, drive: Drive, axis: Array, drawn_mm: Array) -> None:

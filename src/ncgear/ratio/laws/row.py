@@ -1,0 +1,91 @@
+"""The laws of a row of gears on fixed axes: each gear meshes with the next, so an idler meshes with two mates.
+
+Gear 0 drives; gear k turns by theta_k, in the sense of the driving gear where k is even.  The law of the first mesh is
+given, and gives the curve of gear 1.  A place of an idler that faces the axis before it faces the next axis after the
+idler has turned by beta = pi + bend or pi - bend, where bend is the turn of the line of centres at the idler.  So the
+curve of gear 1, later by beta, is the curve of the driving gear of the second mesh; the mate's curve and the centre
+distance at which it closes follow, and so on along the row.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from math import pi
+
+import numpy as np
+
+from ncgear.numerics import chebyshev, jet
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.jet import Jet
+from ncgear.numerics.rising import Rising
+from ncgear.ratio.laws.closed_curve import ClosedCurve, SmoothPart
+from ncgear.ratio.laws.integrated import smooth_or_refused
+from ncgear.ratio.laws.pitch_curve import GivenCurve, closed_law
+from ncgear.ratio.laws.shared import behind
+from ncgear.ratio.transmission import Lobes, PairsInSeries, Piece, Transmission, on_driving_shaft
+
+
+def beta_rad(directions_rad: Sequence[float], number: int) -> float:
+    """beta of the idler ``number``, from 1 on, in a row whose lines of centres have these directions."""
+    bend = directions_rad[number] - directions_rad[number - 1]
+    return (pi + (bend if number % 2 == 0 else -bend)) % (2.0 * pi)
+
+
+def row_laws(
+    first: Transmission, lobes: Sequence[int], directions_rad: Sequence[float], key: str
+) -> tuple[Transmission, ...]:
+    """The laws of all meshes, from that of the first, the lobes of all gears and the directions of lines of centres.
+
+    Raises NoSuchMechanism, with ``key``, where a mate does not close.
+    """
+    laws = [first]
+    for number in range(1, len(lobes) - 1):
+        given = GivenCurve(
+            lambda _, before=laws[-1]: _driven_curve(before),  # type: ignore[misc]
+            None,
+            drawn=False,
+            driven=False,
+            phase_rad=beta_rad(directions_rad, number),
+            key=key,
+        )
+        laws.append(closed_law(given, Lobes(lobes[number], lobes[number + 1]), None).transmission)
+    return tuple(laws)
+
+
+def _driven_curve(law: Transmission) -> ClosedCurve:
+    """The driven gear's curve over a turn, at distance 1, by its turn at which a place faces the driving gear."""
+
+    def part(piece: Piece, lobe: int) -> SmoothPart:
+        def polar(phi: Array, order: int) -> tuple[Jet, Jet]:
+            whole = piece.driven_angle(phi, order + 1)
+            radius = 1.0 / (whole.differentiated() + 1.0)
+            return whole.truncated(order) + lobe * law.lobes.driven_period_rad, radius
+
+        return SmoothPart(piece.start_rad, piece.end_rad, polar, piece.knots_rad)
+
+    return ClosedCurve(tuple(part(piece, lobe) for lobe in range(law.lobes.driven) for piece in law.pieces))
+
+
+def row_angle(laws: Sequence[Transmission], phi1: Array, order: int) -> Jet:
+    """The angle of the last gear of meshes with these laws by that of the driving gear, in rad."""
+    angle = Jet.variable(phi1, order)
+    for law in laws:
+        outer = law.driven_angle(angle.value, order)
+        angle = jet.polynomial(outer.coefficients, angle - angle.value)
+    return angle
+
+
+def row_train(laws: Sequence[Transmission]) -> PairsInSeries:
+    """The meshes of a row as pairs in series: an idler is both the driven gear of a pair and the driving gear of the
+    next."""
+    first, last = laws[0].lobes, laws[-1].lobes
+    pairs, breaks = [on_driving_shaft(laws[0])], laws[0].joints_rad
+    for number, law in enumerate(laws[1:], start=1):
+        with smooth_or_refused("motion"):
+            turned = Rising(chebyshev.fitted(lambda phi1, n=number: row_angle(laws[:n], phi1, 0).value, breaks))  # type: ignore[misc]
+        pairs.append(behind(law, turned))
+        breaks = np.union1d(breaks, turned.inverse(law.joints_rad[1:-1]))
+    start, *knots, end = breaks.tolist()
+    whole = Piece(start, end, partial(row_angle, laws), tuple(knots))
+    return PairsInSeries(Transmission((whole,), Lobes(first.driving, last.driven)), tuple(pairs))

@@ -1,0 +1,151 @@
+"""A law shared out over pairs in series: ``gears.pairs``.
+
+The judges are a whole law whose root has a closed form, the composition of all pairs, and round gears, which carry the
+load of a single pair.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import mpmath
+import numpy as np
+import pytest
+
+from drives import drive_of_text
+from ncgear.errors import WrongInput
+from ncgear.figures.summary.check_summary import stages_summary
+from ncgear.project.drive import Drive
+from ncgear.project.strengthening import rating_of
+
+MACHINE = """\
+name: shared
+operation: {{speed_rpm: 60}}
+motion: {law}
+gears: {{teeth: 24, module_mm: 2, face_width_mm: 12, pairs: {pairs}{more}}}
+resistance: {{expression_n_m: "{torque}"}}
+"""
+# The square of 1 + 0.3 cos phi has the mean 1.045.
+SQUARE = '{law: ratio_expression, ratio: "1.045/(1 + 0.3*cos(phi))**2"}'
+JOINTED = '{law: ratio_expression, ratio: "1 + 0.2*abs(sin(phi))", scale_to_close: true}'
+EVEN = "{law: harmonic_ratio}"
+
+
+@cache
+def made(law: str, pairs: int, torque: str = "10", more: str = "") -> Drive:
+    return drive_of_text(MACHINE.format(law=law, pairs=pairs, torque=torque, more=more))
+
+
+def test_the_root_of_a_square_has_a_closed_form() -> None:
+    first, second = made(SQUARE, 2).law.train.pairs
+    phi1 = np.linspace(0.0, 2.0 * np.pi, 90)
+    angle = first.transmission.driven_angle(phi1, 3)
+    assert angle.value == pytest.approx(phi1 + 0.3 * np.sin(phi1), abs=1e-14)
+    for order, wanted in enumerate([1.0 + 0.3 * np.cos(phi1), -0.3 * np.sin(phi1), -0.3 * np.cos(phi1)], start=1):
+        assert angle.derivative(order) == pytest.approx(wanted, abs=1e-13)
+    between = angle.value
+    assert second.shaft_rad(between + 4.0 * np.pi) == pytest.approx(phi1 + 4.0 * np.pi, abs=1e-13)
+    assert second.speed(between) == pytest.approx(1.0 + 0.3 * np.cos(phi1), abs=1e-13)
+
+
+@pytest.mark.thorough
+def test_the_second_pair_has_the_derivatives_of_its_closed_form() -> None:
+    """Its driven angle by the angle of the shaft between, which mpmath inverts and differentiates."""
+    second = made(SQUARE, 2).law.train.pairs[1].transmission
+    with mpmath.workdps(40):
+
+        def driven(between: mpmath.mpf) -> mpmath.mpf:
+            phi = mpmath.findroot(lambda x: x + mpmath.mpf("0.3") * mpmath.sin(x) - between, between)
+            return phi + (
+                mpmath.mpf("0.6") * mpmath.sin(phi) + mpmath.mpf("0.0225") * mpmath.sin(2 * phi)
+            ) / mpmath.mpf("1.045")
+
+        places = [0.4, 2.0, 3.3, 5.9]
+        wanted = np.array([[float(mpmath.diff(driven, place, order)) for place in places] for order in range(4)])
+    found = second.driven_angle(np.array(places), 3)
+    for order in range(4):
+        assert (found.value if order == 0 else found.derivative(order)) == pytest.approx(wanted[order], abs=1e-12)
+
+
+@pytest.mark.parametrize("law", [SQUARE, JOINTED])
+def test_all_pairs_together_make_the_whole_law_and_share_its_logarithm(law: str) -> None:
+    drive = made(law, 4)
+    phi1 = np.linspace(0.001, 6.28, 500)
+    angles, logarithms, shaft = [phi1], [], phi1
+    for number, pair in enumerate(drive.law.train.pairs):
+        if number:
+            assert pair.shaft_rad(shaft) == pytest.approx(phi1, abs=1e-13)
+        turned = pair.transmission.driven_angle(shaft, 1)
+        logarithms.append(np.log(turned.derivative(1)))
+        shaft = turned.value
+        angles.append(shaft)
+    whole = drive.transmission.driven_angle(phi1, 1)
+    assert shaft == pytest.approx(whole.value, abs=1e-13)
+    wanted = np.log(whole.derivative(1)) / 4.0
+    for one in logarithms:
+        assert np.ptp(one - wanted) < 1e-12
+    assert len(drive.law.train.pairs[0].transmission.pieces) == len(drive.transmission.pieces)
+
+
+def test_every_pair_passes_the_power_of_the_driven_shaft() -> None:
+    drive = made(SQUARE, 3, "10 + 4*sin(x)")
+    phi1 = np.linspace(0.0, 2.0 * np.pi, 60)
+    whole = drive.transmission.driven_angle(phi1, 1)
+    power = 1000.0 * (10.0 + 4.0 * np.sin(whole.value)) * whole.derivative(1)
+    shaft, speed = phi1, np.ones_like(phi1)
+    for pair in drive.by_stage:
+        turned = pair.pair.transmission.driven_angle(shaft, 1)
+        speed = speed * turned.derivative(1)
+        assert pair.tooth_load.torque_n_mm(shaft) * speed == pytest.approx(power, rel=1e-11)
+        shaft = turned.value
+
+
+@pytest.mark.slow
+def test_each_of_three_round_pairs_is_as_strong_as_one() -> None:
+    single = rating_of(made(EVEN, 1)).weakest
+    for pair in made(EVEN, 3).by_stage:
+        for found, wanted in zip(rating_of(pair).weakest, single, strict=True):
+            assert found.safety == pytest.approx(wanted.safety, rel=1e-12)
+            assert (found.gear, found.damage) == (wanted.gear, wanted.damage)
+
+
+def test_shafts_between_have_names() -> None:
+    found = [stages_summary(pair)["stage"] for pair in made(EVEN, 3).by_stage]
+    assert [(one["driving_gear_on"], one["driven_gear_on"], one["seen_from"]) for one in found] == [
+        ("driving shaft", "shaft between stages 1 and 2", "driving end"),
+        ("shaft between stages 1 and 2", "shaft between stages 2 and 3", "other end of the shafts"),
+        ("shaft between stages 2 and 3", "crank shaft", "driving end"),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("law", "more", "key", "said"),
+    [
+        ("{law: harmonic_ratio, second_stage: {}}", "", "gears.pairs", "motion.second_stage shares the ratio already"),
+        ('{law: ratio_expression, ratio: "2", range_deg: 90}', "", "gears.pairs", "over a range, less than a turn"),
+        (EVEN, ", lobes: {driving: 2, driven: 2}", "gears.lobes", "one lobe each"),
+    ],
+)
+def test_what_cannot_be_shared_out_is_refused(law: str, more: str, key: str, said: str) -> None:
+    with pytest.raises(WrongInput) as wrong:
+        made(law, 3, "10", more)
+    assert wrong.value.key == key
+    assert said in wrong.value.problem
+
+
+def test_masses_count_with_two_pairs_at_most() -> None:
+    text = MACHINE.format(law=EVEN, pairs=3, torque="10", more="") + "masses: {shaft_kg_mm2: 20000}\n"
+    with pytest.raises(WrongInput) as wrong:
+        drive_of_text(text)
+    assert wrong.value.key == "masses"
+    assert drive_of_text(text.replace("pairs: 3", "pairs: 2")).check.peak_power_w.value > 0.0
+
+
+def test_a_stage_that_is_not_there_is_refused() -> None:
+    drive = made(EVEN, 3)
+    assert drive.of_stage(3).stage == 3
+    for stage, said in ((None, "three pairs of gears; --stage 1, --stage 2 or --stage 3"), (4, "no --stage 4")):
+        with pytest.raises(WrongInput) as wrong:
+            drive.of_stage(stage)
+        assert wrong.value.key == "gears.pairs"
+        assert said in wrong.value.problem
