@@ -30,6 +30,7 @@ from ncgear.optimum.outline.conditions import Subject
 from ncgear.papers.threshing_drum.chain import second_case_residual
 from ncgear.pitch.chambers import Chambers
 from ncgear.project.alternatives import STEEPEST_HELIX_DEG, WIDER, bridging_helix
+from ncgear.project.gear_solids import PROCESS
 from ncgear.project.outline_fit import _binding
 from ncgear.project.sizing import _Search
 from ncgear.ratio.return_stroke import _even_panels
@@ -289,8 +290,15 @@ def test_positions_also_have_the_places_of_those_further_on(closed: bool) -> Non
 def test_a_helix_bridges_a_gap_by_what_it_advances_over_the_face(gap: float, width: float, angle_deg: Any) -> None:
     """A little more than the gap in pitches of 2 pi mm over 20 mm; nothing where that is too steep, or given."""
     contact, rack = Made(longest_gap_pitches=gap), Made(pitch_mm=2.0 * pi)
-    gears, pitch = Made(method="exact", face_width_mm=width), Made(driven=Made(is_ring=False))
-    drive: Any = Made(helix=angle_deg, pitch=pitch, gears=gears, designed_contact=contact, rack=rack)
+    gears, pitch = Made(method="exact", face_width_mm=width, **dict.fromkeys(PROCESS)), Made(driven=Made(is_ring=False))
+    drive: Any = Made(
+        helix=angle_deg,
+        pitch=pitch,
+        gears=gears,
+        designed_contact=contact,
+        rack=rack,
+        design=Made(motion=Made(is_open=False)),
+    )
     advance = tan(radians(bridging_helix(drive).get("gears.helix.angle_deg", 0.0))) * width
     wanted = WIDER * gap * 2.0 * pi
     given = angle_deg is None and degrees(atan(wanted / width)) <= STEEPEST_HELIX_DEG

@@ -27,7 +27,7 @@ from ncgear.ratio.transmission import Lobes, Pair, PairsInSeries, Piece, Transmi
 
 
 @dataclass(frozen=True, eq=False)
-class Shaft:
+class SharedShaft:
     """A shaft that turns with the whole law's speed to the power ``share``, times ``factor``, and so by ``angle``."""
 
     share: float
@@ -39,7 +39,7 @@ class Shaft:
         return slope**self.share * self.factor
 
 
-def shared_angle(before: Shaft, after: Shaft, piece: Piece, angle_rad: Array, order: int) -> Jet:
+def shared_angle(before: SharedShaft, after: SharedShaft, piece: Piece, angle_rad: Array, order: int) -> Jet:
     """The angle of the shaft ``after`` in rad by that of the shaft ``before``, on a piece of the whole law."""
     phi1 = np.clip(before.angle.inverse(angle_rad), piece.start_rad, piece.end_rad)
     values = after.angle(phi1)
@@ -53,12 +53,12 @@ def shared_angle(before: Shaft, after: Shaft, piece: Piece, angle_rad: Array, or
 def shared_out(whole: Transmission, count: int) -> PairsInSeries:
     """The law of a whole, one lobe of each gear, shared out evenly over ``count`` pairs in series."""
 
-    def speed_to(share: float) -> Shaft:
+    def speed_to(share: float) -> SharedShaft:
         with smooth_or_refused("motion"):
             power = chebyshev.fitted(lambda phi1: whole.driven_angle(phi1, 1).derivative(1) ** share, whole.joints_rad)
         turned = power.integrated()
         factor = 2.0 * pi / turned.final
-        return Shaft(share, factor, Rising(PiecewiseChebyshev(turned.breaks, turned.coefficients * factor)))
+        return SharedShaft(share, factor, Rising(PiecewiseChebyshev(turned.breaks, turned.coefficients * factor)))
 
     shafts = [speed_to(number / count) for number in range(count + 1)]
     laws = [Transmission(tuple(_shared(one, *both) for one in whole.pieces), Lobes()) for both in pairwise(shafts)]
@@ -66,7 +66,7 @@ def shared_out(whole: Transmission, count: int) -> PairsInSeries:
     return PairsInSeries(whole, (on_driving_shaft(laws[0]), *driven))
 
 
-def _shared(piece: Piece, before: Shaft, after: Shaft) -> Piece:
+def _shared(piece: Piece, before: SharedShaft, after: SharedShaft) -> Piece:
     """A pair's piece for a piece of the whole law."""
     start, *knots, end = before.angle(np.array([piece.start_rad, *piece.knots_rad, piece.end_rad])).tolist()
     return Piece(start, end, partial(shared_angle, before, after, piece), tuple(knots))
