@@ -32,8 +32,8 @@ class Covering:
     def of(self, module: str, line: int) -> list[Test]:
         """Quick tests before others, and of these first the tests that run a line, those that run fewest lines first.
 
-        After those of a tier come others of their files, which may use what is kept in a file of a line that ran before,
-        for a limited time.
+        After those of a tier come others of their files for a limited time: they may use what is kept in a file of a
+        line that ran before.
         """
         found = {test for test, ran in self.ran.items() if line in ran.lines.get(module, ())}
         files, left_s = {test.file for test in found}, OTHERS_S
