@@ -14,7 +14,7 @@ from ncgear.contact.designed.curves import SidePaths
 from ncgear.contact.written.extremes import _quantities
 from ncgear.drawings.charts.drawer import angle_scale
 from ncgear.drivetrain.bearings import WantedLife, _life
-from ncgear.drivetrain.losses import Losses
+from ncgear.drivetrain.losses import IDLE, Losses
 from ncgear.drivetrain.stall import Stall
 from ncgear.dynamics.flank_changes import _DrivenSide
 from ncgear.dynamics.gaps import ERROR, Gaps, _breaks
@@ -96,6 +96,8 @@ def test_a_bearing_is_within_iso_281_up_to_half_its_rating() -> None:
 def test_an_efficiency_is_what_is_of_use_over_all_work() -> None:
     losses = Losses(800.0, 1000.0, 0.5, 0.2, 0.1, 100.0)
     assert (losses.mesh_n_mm, losses.efficiency) == (pytest.approx(100.0), pytest.approx(0.8))
+    little, least = (Losses(share * IDLE * 1000.0, 1000.0, 0.0, 0.2, 0.1, 0.0) for share in (2.0, 0.5))
+    assert (little.efficiency, least.efficiency) == (1.0, None)
 
 
 @pytest.mark.judges("drivetrain")
