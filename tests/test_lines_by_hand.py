@@ -18,9 +18,9 @@ from ncgear.drivetrain.losses import IDLE, Losses
 from ncgear.drivetrain.stall import Stall
 from ncgear.dynamics.flank_changes import _DrivenSide
 from ncgear.dynamics.gaps import ERROR, Gaps, _breaks
-from ncgear.mechanisms.rack_pinion import TEETH, RackPinion
+from ncgear.mechanisms.rack_pinion import BACK, TEETH, RackPinion
 from ncgear.mechanisms.scotch_yoke import ScotchYoke
-from ncgear.mechanisms.slotted_lever import SlottedLever
+from ncgear.mechanisms.slotted_lever import BAR, SlottedLever
 from ncgear.metrology import best_fit
 from ncgear.metrology.best_fit import Pose
 from ncgear.numerics.extrema import Extremum
@@ -147,6 +147,7 @@ def test_drawn_yokes_and_rams_stand_across_their_bars() -> None:
     swing = asin(30.0 / 100.0)
     (low, high), (near, far) = lever.rod_lines_mm["ram"]
     assert low[0] == high[0] == near[0] < far[0] == 0.0
+    assert near[0] == pytest.approx(-BAR * 2.0 * 200.0 * 30.0 / 100.0)
     assert (low[1], high[1]) == pytest.approx((-200.0 * (1.0 - cos(swing)), 0.0))
 
 
@@ -155,13 +156,19 @@ def test_teeth_and_spaces_of_a_drawn_rack_are_as_wide_on_its_pitch_line() -> Non
     """Flanks of 20 deg cross the line every half pitch, from 1.2 modules below to one module above, both ways."""
     radius = 40.0
     module = 2.0 * radius / TEETH
-    points = np.array(RackPinion(radius)._rack())[:-2]
+    *teeth, ahead, behind = RackPinion(radius)._rack()
+    points = np.array(teeth)
     ends = points.reshape(-1, 2, 2)
     first, last = ends[:, 0], ends[:, 1]
     share = first[:, 1] / (first[:, 1] - last[:, 1])
     crossings = first[:, 0] + share * (last[:, 0] - first[:, 0])
     assert np.diff(crossings) == pytest.approx(pi * module / 2.0)
     assert np.abs((last - first)[:, 0] / (last - first)[:, 1]) == pytest.approx(tan(pi / 9.0))
+    # A space in the middle, a turn and two teeth behind it, two and a half teeth ahead; a straight back.
+    assert crossings + crossings[::-1] == pytest.approx(-(TEETH - 1.0) * pi * module + 0.0 * crossings)
+    assert crossings[crossings > 0.0].size == 6
+    assert (ahead[0], behind[0]) == (points[-1, 0], points[0, 0])
+    assert ahead[1] == behind[1] == pytest.approx(BACK * module)
     assert sorted({round(float(height), 9) for height in points[:, 1]}) == pytest.approx([-module, 1.2 * module])
 
 

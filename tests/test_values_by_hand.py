@@ -158,6 +158,8 @@ def test_an_arc_in_a_drawing_of_scales_goes_round_by_its_own_side() -> None:
     assert line == "L10,0"
     clockwise = Polyline(np.array([[10.0, 0.0], [0.0, -10.0]]), np.array([-tan(pi / 8.0), 0.0]))
     assert next(iter(_steps(clockwise, 3))).split() == ["A10,10", "0", "0", "0", "0,-10"]
+    aside = Polyline(np.array([[17.0, 3.0], [7.0, -7.0]]), np.array([tan(3.0 * pi / 8.0), 0.0]))
+    assert next(iter(_steps(aside, 3))).split() == ["A10,10", "0", "1", "1", "7,-7"]
     flat = Polyline(np.array([[10.0, 0.0], [0.0, -10.0]]), np.array([tan(0.95 * pi / 4.0), 0.0]))
     assert next(iter(_steps(flat, 3))).split()[2] == "0"
 
