@@ -12,19 +12,29 @@ import pytest
 from at_once import at_once
 from ncgear.contact.designed.flanks import FlankContacts
 from ncgear.drawings.scene.scene import Scene
+from ncgear.dynamics import quasi_static
 from ncgear.dynamics.crank_load import _Stroke
 from ncgear.dynamics.flank_changes import _DrivenSide
 from ncgear.dynamics.quasi_static import touching_mm
+from ncgear.errors import NoSuchMechanism
+from ncgear.figures.advice import strength_advice
 from ncgear.figures.advice.law_advice import _as_tight
+from ncgear.figures.answers.answer import difference
+from ncgear.figures.balance import shaking
+from ncgear.figures.strong import _knock_figures
 from ncgear.figures.tables import Column, Table
 from ncgear.files.workshop.drawing import Polyline
+from ncgear.files.workshop.sheets.frame import first_angle
 from ncgear.files.workshop.sheets.sheet import FREE_MM
 from ncgear.files.workshop.sheets.sheet import length as dimension
 from ncgear.files.workshop.svg import _steps
 from ncgear.optimum.certified.ranges import _greatest_ratio
 from ncgear.optimum.makeable.demanded import _least_flank_load_n_mm
+from ncgear.project.strengthening import Rating
 from ncgear.screening.rows import _distance
 from ncgear.screening.wanted import rounded_to
+from ncgear.strength.film import Regime
+from ncgear.strength.surfaces import Place, Wear
 from ncgear.whole_machines.told import difference_words
 
 Made: Any = SimpleNamespace
@@ -193,3 +203,113 @@ def test_machines_differ_in_words_by_what_counts() -> None:
     assert words(machine(100.0, 15.0, 1.0), machine(100.0, 5.0, 1.0)) == "3 times the gears"
     assert words(machine(100.0, 5.0, 0.0), machine(100.0, 5.0, 1.0)) == "no flywheel"
     assert words(machine(100.0, 5.0, 1.0), machine(100.0, 5.0, 0.0)) == "a flywheel"
+
+
+@pytest.mark.judges("figures")
+def test_a_figure_differs_by_its_share_up_to_twice_and_in_times_beyond() -> None:
+    pairs = [(210.0, 100.0), (199.0, 100.0), (80.0, 100.0), (100.04, 100.0), (5.0, 0.0), (0.0, 4.0)]
+    told = ["2.1 times", "99.0 % higher", "20.0 % lower", "the same", "", "100.0 % lower"]
+    assert [difference(*pair) for pair in pairs] == told
+
+
+@pytest.mark.judges("figures")
+@at_once(
+    ("safety", "holds", "boundary", "told"),
+    [
+        (2.0, True, False, []),
+        (0.9, True, False, ["scuff"]),
+        (None, True, True, ["film"]),
+        (0.9, False, True, ["scuff", "wear", "film"]),
+    ],
+)
+def test_flanks_are_told_of_where_they_scuff_wear_or_are_hardly_parted(
+    safety: float | None, holds: bool, boundary: bool, told: list[str]
+) -> None:
+    film = Made(regime=Regime.BOUNDARY if boundary else Regime.FULL)
+    found = Made(film=film, scuffing_safety=safety, wear=Made(holds=holds))
+    drive: Any = Made(surfaces_by=lambda _: found, conditions=Made(lubrication="oil"))
+    with pytest.MonkeyPatch.context() as patch:
+        rating = object.__new__(Rating)
+        object.__setattr__(rating, "strength", Made(method=""))
+        patch.setattr(strength_advice, "known_rating", lambda _: rating)
+        patch.setattr(strength_advice, "unfollowed_knocks", lambda _: "")
+        for name, word in (("_scuffing", "scuff"), ("_wear", "wear"), ("_boundary", "film")):
+            patch.setattr(strength_advice, name, lambda *_, word=word: word)
+        assert list(strength_advice.flanks(drive)) == told
+
+
+@pytest.mark.judges("figures")
+def test_the_gear_that_wears_most_is_told_with_its_tooth_and_oil_is_advised_to_dry_ones() -> None:
+    depths = tuple(Place(value, 0.1, 3, 5) for value in (0.02, 0.5))
+    wear = Wear((1.0, 1.0), depths, 0.6, 0.25, 1000.0)
+    for lubrication, remedies in (("dry", 3), ("grease", 2)):
+        advice = strength_advice._wear(wear, lubrication)
+        assert "tooth 5 of the driven gear loses 0.5 mm" in advice.what
+        assert "a tenth of the module, 0.25 mm," in advice.what
+        assert "by up to 0.6 mm" in str(advice)
+        assert len(advice.remedies) == remedies
+
+
+@pytest.mark.judges("figures")
+def test_knocks_are_counted_and_the_fastest_is_told() -> None:
+    knocks: Any = [Made(speed_mm_s=speed, phi1_rad=phi) for speed, phi in ((3.0, 0.1), (9.0, 0.2), (5.0, 0.3))]
+    assert _knock_figures(knocks) == {"knocks": 3, "knock_max_mm_s": 9.0, "knock_max_at_rad": 0.2}
+    assert _knock_figures([]) == {"knocks": 0}
+    assert _knock_figures(None) == {"knocks": "not judged"}
+
+
+@pytest.mark.judges("figures")
+def test_cranks_of_a_machine_have_the_moments_of_their_masses(monkeypatch: pytest.MonkeyPatch) -> None:
+    """5 kg that rotate and 3 that go to and fro on a crank of 40 mm, at 0.5 rad or mirrored at its negative."""
+    masses = Made(rotating_kg=5.0, reciprocating_kg=3.0)
+    monkeypatch.setattr(shaking, "joint_masses", lambda linkage, of: masses)
+    one: Any = Made(mechanism=Made(linkage=Made(crank_mm=40.0), masses=None), mirrored=False, phase_rad=0.5)
+    crank = shaking._crank(one)
+    assert sorted(vars(crank).values(), key=str)[:2] == [0.5, 1]
+    (joints,) = [value for value in vars(crank).values() if not isinstance(value, int | float)]
+    assert (joints.rotating_kg, joints.reciprocating_kg) == (200.0, 120.0)
+    one.mirrored = True
+    assert sorted(value for value in vars(shaking._crank(one)).values() if isinstance(value, int | float)) == [-1, -0.5]
+    assert shaking._massive(one)
+    masses.rotating_kg = 0.0
+    assert not shaking._massive(one)
+
+
+@pytest.mark.judges("dynamics")
+@at_once(("torque", "low", "high"), [(5.0, -0.03, 1e-9), (-5.0, 0.0, 0.032)])
+def test_a_balance_is_enclosed_from_the_first_touch_on(torque: float, low: float, high: float) -> None:
+    """Pushing flanks touch at 0 and bear backwards, backs at 0.002 and bear forwards, by 200 N mm a rad."""
+    meshing: Any = Made(
+        gaps=Made(play_rad=lambda phi: (np.zeros(phi.size), np.full(phi.size, 0.002))), stiffness_key=""
+    )
+
+    def missing(ahead: np.ndarray) -> np.ndarray:
+        bears = 200.0 * np.maximum(-ahead, 0.0) - 200.0 * np.maximum(ahead - 0.002, 0.0)
+        return bears - torque
+
+    first, last = quasi_static._bracket(missing, meshing, np.zeros(1), np.array([torque]))
+    assert first[0] <= last[0]
+    assert missing(first)[0] >= 0.0 >= missing(last)[0]
+    assert 2.1 * low <= first[0] <= last[0] <= 2.1 * high
+    with pytest.raises(NoSuchMechanism):
+        quasi_static._bracket(lambda ahead: np.full(1, -torque), meshing, np.zeros(1), np.array([torque]))
+
+
+@pytest.mark.judges("dynamics")
+def test_the_next_pair_is_the_one_after_the_deepest() -> None:
+    near = Made(urge=np.array([[1.0, 1.0, 0.0, -1.0]] * 2))
+    forces: Any = Made(near=near, depth_mm=np.array([[0.3, 0.1, 9.0, 0.2], [0.1, -0.4, 9.0, -0.2]]))
+    told = [quasi_static._depth_of_next_mm(forces, pairs).tolist() for pairs in (1, 2)]
+    assert told == [[0.2, -0.2], [0.1, -0.4]]
+    assert (quasi_static._depth_of_next_mm(forces, 4) < -100.0).all()
+
+
+@pytest.mark.judges("files")
+def test_the_sign_of_first_angle_projection_has_its_cone_before_its_circles() -> None:
+    cone, axis, *rings = list(first_angle(10.0, 20.0))
+    assert np.ptp(cone.points[:, 0]) == 7.0
+    assert axis.points.tolist() == [[5.5, 20.0], [15.5, 20.0]]
+    assert [(one.center, one.radius) for one in rings[:2]] == [((23.0, 20.0), 1.5), ((23.0, 20.0), 3.0)]
+    across, upright = (one.points for one in rings[2:])
+    assert across.tolist() == [[19.0, 20.0], [27.0, 20.0]]
+    assert upright.tolist() == [[23.0, 16.0], [23.0, 24.0]]
