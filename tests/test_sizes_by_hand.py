@@ -14,11 +14,14 @@ from at_once import at_once
 from drives import drive_of_text
 from ncgear.drawings.animation import artists
 from ncgear.drawings.scene import standing
-from ncgear.errors import WrongInput
+from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.advice.machine_advice import _of_unit
 from ncgear.metrology.as_measured import TIP_LAND_CURVE, is_metal
 from ncgear.project import jamming
 from ncgear.project.law_task import _of_undercut
+from ncgear.ratio.sampled_strokes import EVERYWHERE, edges_about
+from ncgear.screening.rows import _steeper_deg
+from ncgear.teeth import fouling
 
 Made: Any = SimpleNamespace
 
@@ -122,3 +125,38 @@ def test_a_strip_of_material_lies_where_its_pose_has_it() -> None:
     assert block.get_visible()
     strip.pose(Made(), 0)
     assert not block.get_visible()
+
+
+@pytest.mark.judges("ratio")
+def test_pieces_about_a_place_of_a_return_are_quartered_towards_it() -> None:
+    """About 0.3 of it: the ends, the place itself, a quarter and a sixteenth to both sides, and no place beyond."""
+    edges = edges_about(np.array([0.3, 0.9]), 2)
+    for own, about in zip(edges, (0.3, 0.9), strict=True):
+        assert (own[0], own[-1]) == pytest.approx((-about, 1.0 - about))
+        assert (np.diff(own) >= 0.0).all()
+        assert 0.0 in own
+    for wanted in (0.25, -0.25, 0.0625, -0.0625):
+        assert np.abs(edges[0] - wanted).min() < 1e-12
+    # All pieces between are those of the whole return.
+    assert set(np.round(np.array(EVERYWHERE) - 0.3, 9)) <= set(np.round(edges[0], 9))
+
+
+@pytest.mark.judges("screening")
+def test_the_steeper_of_both_flanks_counts() -> None:
+    racks = [Made(gears=None), *(Made(gears=Made(rack=Made(angles_deg=one))) for one in ((20.0, 25.0), (28.0, 14.5)))]
+    batch: Any = Made(written=racks, follows=np.array([2, 0, 1, 1]))
+    assert _steeper_deg(batch).tolist() == [28.0, -np.inf, 25.0, 25.0]
+
+
+@pytest.mark.judges("teeth")
+def test_a_tooth_that_fouls_without_a_tip_below_is_refused_by_its_number(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of three teeth the second has no tip on its lower height."""
+    met = np.array([True, False, True])
+    monkeypatch.setattr(fouling, "_lowered", lambda *_: None)
+    monkeypatch.setattr(fouling, "tip_crossing", lambda flanks: (None, None, met))
+    monkeypatch.setattr(fouling, "no_tip", lambda flanks, number: NoSuchMechanism(f"no tip {number}"))
+    own: Any = Made(flanks=None, height_mm=None)
+    paths: Any = Made(own=np.zeros(3, dtype=int), kept=lambda mask: None)
+    with pytest.raises(NoSuchMechanism, match="no tip 1"):
+        fouling._free_of(own, paths, lambda *_: np.array([True]))
+    assert fouling._free_of(own, paths, lambda *_: np.array([False])) is own
