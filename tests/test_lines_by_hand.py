@@ -14,13 +14,13 @@ from ncgear.contact.designed.curves import SidePaths
 from ncgear.contact.written.extremes import _quantities
 from ncgear.drawings.charts.drawer import angle_scale
 from ncgear.drivetrain.bearings import WantedLife, _life
-from ncgear.drivetrain.losses import Losses
+from ncgear.drivetrain.losses import IDLE, Losses
 from ncgear.drivetrain.stall import Stall
 from ncgear.dynamics.flank_changes import _DrivenSide
 from ncgear.dynamics.gaps import ERROR, Gaps, _breaks
-from ncgear.mechanisms.rack_pinion import TEETH, RackPinion
+from ncgear.mechanisms.rack_pinion import BACK, TEETH, RackPinion
 from ncgear.mechanisms.scotch_yoke import ScotchYoke
-from ncgear.mechanisms.slotted_lever import SlottedLever
+from ncgear.mechanisms.slotted_lever import BAR, SlottedLever
 from ncgear.metrology import best_fit
 from ncgear.metrology.best_fit import Pose
 from ncgear.numerics.extrema import Extremum
@@ -97,6 +97,8 @@ def test_a_bearing_is_within_iso_281_up_to_half_its_rating() -> None:
 def test_an_efficiency_is_what_is_of_use_over_all_work() -> None:
     losses = Losses(800.0, 1000.0, 0.5, 0.2, 0.1, 100.0)
     assert (losses.mesh_n_mm, losses.efficiency) == (pytest.approx(100.0), pytest.approx(0.8))
+    little, least = (Losses(share * IDLE * 1000.0, 1000.0, 0.0, 0.2, 0.1, 0.0) for share in (2.0, 0.5))
+    assert (little.efficiency, least.efficiency) == (1.0, None)
 
 
 @pytest.mark.judges("drivetrain")
@@ -146,6 +148,7 @@ def test_drawn_yokes_and_rams_stand_across_their_bars() -> None:
     swing = asin(30.0 / 100.0)
     (low, high), (near, far) = lever.rod_lines_mm["ram"]
     assert low[0] == high[0] == near[0] < far[0] == 0.0
+    assert near[0] == pytest.approx(-BAR * 2.0 * 200.0 * 30.0 / 100.0)
     assert (low[1], high[1]) == pytest.approx((-200.0 * (1.0 - cos(swing)), 0.0))
 
 
@@ -154,13 +157,19 @@ def test_teeth_and_spaces_of_a_drawn_rack_are_as_wide_on_its_pitch_line() -> Non
     """Flanks of 20 deg cross the line every half pitch, from 1.2 modules below to one module above, both ways."""
     radius = 40.0
     module = 2.0 * radius / TEETH
-    points = np.array(RackPinion(radius)._rack())[:-2]
+    *teeth, ahead, behind = RackPinion(radius)._rack()
+    points = np.array(teeth)
     ends = points.reshape(-1, 2, 2)
     first, last = ends[:, 0], ends[:, 1]
     share = first[:, 1] / (first[:, 1] - last[:, 1])
     crossings = first[:, 0] + share * (last[:, 0] - first[:, 0])
     assert np.diff(crossings) == pytest.approx(pi * module / 2.0)
     assert np.abs((last - first)[:, 0] / (last - first)[:, 1]) == pytest.approx(tan(pi / 9.0))
+    # A space in the middle, a turn and two teeth behind it, two and a half teeth ahead; a straight back.
+    assert crossings + crossings[::-1] == pytest.approx(-(TEETH - 1.0) * pi * module + 0.0 * crossings)
+    assert crossings[crossings > 0.0].size == 6
+    assert (ahead[0], behind[0]) == (points[-1, 0], points[0, 0])
+    assert ahead[1] == behind[1] == pytest.approx(BACK * module)
     assert sorted({round(float(height), 9) for height in points[:, 1]}) == pytest.approx([-module, 1.2 * module])
 
 

@@ -24,6 +24,7 @@ from mutants.survivors import REASONS
         ("return 'a' + b", []),
         ("return a + b'c'", []),
         ("a += [b]", []),
+        ("a += [b] if c else d", []),
         ("return a[b + 1]", []),
         ("raise ValueError(f'{a + 1}')", []),
         ("return sin(a)", []),

@@ -12,6 +12,7 @@ import pytest
 
 from ncgear.contact.placement import BACK, PUSHING
 from ncgear.drivetrain.bearings import BearingLife
+from ncgear.drivetrain.shafts import ALLOWED_OF_YIELD
 from ncgear.errors import Unanswered, WrongInput
 from ncgear.numerics.extrema import Extremum
 from ncgear.pitch.shape import Gear
@@ -102,6 +103,7 @@ def test_a_key_bears_over_its_height_in_the_hub() -> None:
     pressure = 60_000.0 / (20.0 * (3.4 - free) * 20.0)
     assert key().pressure_mpa == pytest.approx(pressure)
     assert key(height=3.4 - free, depth=None).pressure_mpa == pytest.approx(pressure)
+    assert key().safety == pytest.approx(ALLOWED_OF_YIELD * 300.0 / pressure)
     assert key(yield_mpa=150.0).safety == pytest.approx(key().safety / 2.0)
     assert key(yield_mpa=900.0).safety == pytest.approx(key().safety)
     assert key().both_senses

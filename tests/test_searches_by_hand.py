@@ -103,54 +103,67 @@ def test_a_law_over_its_cap_is_moved_under_a_tighter_one(monkeypatch: pytest.Mon
 
 
 @pytest.mark.judges("optimum")
-def test_a_side_of_a_range_is_worth_moving_where_no_motion_was_near() -> None:
-    """Of a range from 1 to e^2 a tenth of its width is a fifth in ln q."""
-    seen = Seen(1)
-    seen.add(np.array([exp(0.1)]))
-    seen.add(np.array([exp(1.5)]))
-    assert seen.worth(0, 1.0, exp(2.0)) == [-1.0]
-    fresh = Seen(1)
-    fresh.add(np.array([exp(0.3)]))
-    fresh.add(np.array([exp(1.9)]))
-    assert fresh.worth(0, 1.0, exp(2.0)) == [1.0]
-    assert Seen(1).worth(0, 1.0, exp(2.0)) == [1.0, -1.0]
+@pytest.mark.parametrize("low", [1.0, 0.2, 7.0])
+def test_a_side_of_a_range_is_worth_moving_where_no_motion_was_near(low: float) -> None:
+    """Of a range over two in ln q, a tenth of its width is a fifth."""
+
+    def worth(*seen_at: float) -> list[float]:
+        seen = Seen(1)
+        for at in seen_at:
+            seen.add(np.array([low * exp(at)]))
+        return seen.worth(0, low, low * exp(2.0))
+
+    assert worth(0.1, 1.5) == [-1.0]
+    assert worth(0.3, 1.9) == [1.0]
+    assert worth(0.21, 1.79) == worth() == [1.0, -1.0]
+    assert worth(0.19, 1.81) == []
 
 
 @pytest.mark.judges("optimum")
 def test_a_box_is_halved_where_it_is_widest() -> None:
-    """At the checkpoint from 1 to 16 at 4; by a figure where four widths are more than its largest times ln 16."""
+    """From 3 to 48 at 12, in even ratios; or by the dearest figure, if four widths are over its most times ln 16."""
     prices = {"power": 1.0, "acceleration": 2.0}
     tree: Any = Tree(Made(prices=prices), [0, 2], Made(), Made(), Made())
 
-    def box(most: float, **figures: tuple[float, float]) -> MotionBox:
-        return MotionBox(KnownRanges(np.ones(3), np.array([2.0, 100.0, most])), figures, 0.0)
+    def halves(most: float = 48.0, **figures: tuple[float, float]) -> list[MotionBox]:
+        ranges = KnownRanges(np.array([3.0, 3.0, 3.0]), np.array([6.0, 300.0, most]))
+        assert tree.widths(MotionBox(ranges, {}, 0.0)) == pytest.approx([log(2.0), log(most / 3.0)])
+        return tree.halves(MotionBox(ranges, figures, 0.0))
 
-    parts = tree.halves(box(16.0, power=(1.0, 2.0)))
-    assert [(one.known.least[2], one.known.most[2]) for one in parts] == [(1.0, 4.0), (4.0, 16.0)]
-    assert tree.halves(MotionBox(KnownRanges(np.ones(3), np.full(3, 1.05)), {"power": (1.0, 2.0)}, 0.0)) == []
-    by_figure = tree.halves(box(16.0, power=(0.0, 10.0), acceleration=(1.0, 9.0)))
-    assert [one.figures["acceleration"] for one in by_figure] == [(1.0, 5.0), (5.0, 9.0)]
-    narrow = tree.halves(box(16.0, power=(9.0, 10.0), acceleration=(5.0, 9.0)))
-    assert [one.known.most[2] for one in narrow] == [4.0, 16.0]
+    parts = halves(power=(1.0, 2.0))
+    assert [(one.known.least[2], one.known.most[2]) for one in parts] == [(3.0, 12.0), (12.0, 48.0)]
+    narrow = KnownRanges(np.full(3, 3.0), np.full(3, 3.2))
+    assert tree.halves(MotionBox(narrow, {"power": (1.0, 2.0)}, 0.0)) == []
+    by_acceleration = halves(power=(0.0, 10.0), acceleration=(1.0, 9.0))
+    assert [one.figures["acceleration"] for one in by_acceleration] == [(1.0, 5.0), (5.0, 9.0)]
+    by_power = halves(power=(0.0, 10.0), acceleration=(7.0, 9.0))
+    assert [one.figures["power"] for one in by_power] == [(0.0, 5.0), (5.0, 10.0)]
+    for figures in (
+        {"power": (9.0, 10.0), "acceleration": (5.0, 9.0)},
+        {"power": (3.2, 10.0), "acceleration": (8.0, 9.0)},
+    ):
+        assert [one.known.most[2] for one in halves(**figures)] == [12.0, 48.0]
+    (first, _) = halves(power=(3.0, 10.0), acceleration=(8.0, 9.0))
+    assert first.figures["power"] == (3.0, 6.5)
 
 
 @pytest.mark.judges("optimum")
 def test_a_single_box_is_narrowed_towards_the_least_value(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A box that has no motion below 0.85 of a law at 1 proves a target between that and the last one with motions."""
+    """A box that has no motion below 1.7 of a law at 2 proves a target between that and the last one with motions."""
     asked: list[float] = []
 
     def narrowed(box: Any, target: float, worth: float) -> Any:
         asked.append(target)
-        return None if target < 0.85 else Made(value=max(box.value, target - 0.2))
+        return None if target < 1.7 else Made(value=max(box.value, target - 0.4))
 
-    box = Made(value=0.5)
+    box = Made(value=1.0)
     monkeypatch.setattr(tree_room, "whole_tree", lambda *_: (Made(narrowed=narrowed), box))
-    proven = tree_room.bisected(Made(), [], 0.5, Made(value=1.0), Made())
-    assert asked[0] == pytest.approx(0.999)
-    assert asked[1] == pytest.approx((0.999 - 0.2 + 0.999) / 2.0)
-    assert proven == asked[-1] < 0.85 <= asked[-2]
-    monkeypatch.setattr(tree_room, "whole_tree", lambda *_: (Made(narrowed=narrowed), Made(value=0.9995)))
-    assert tree_room.bisected(Made(), [], 0.5, Made(value=1.0), Made()) == 0.9995
+    proven = tree_room.bisected(Made(), [], 1.0, Made(value=2.0), Made())
+    assert asked[0] == pytest.approx(1.998)
+    assert asked[1] == pytest.approx((1.998 - 0.4 + 1.998) / 2.0)
+    assert proven == asked[-1] < 1.7 <= asked[-2]
+    monkeypatch.setattr(tree_room, "whole_tree", lambda *_: (Made(narrowed=narrowed), Made(value=1.999)))
+    assert tree_room.bisected(Made(), [], 1.0, Made(value=2.0), Made()) == 1.999
 
 
 @pytest.mark.judges("optimum")

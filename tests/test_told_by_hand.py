@@ -46,6 +46,10 @@ gears: {teeth: 30, module_mm: 2, face_width_mm: 10}
 def test_strokes_below_supports_and_behind_guides_lean_backwards_at_even_steps() -> None:
     """Below an axis they go down, beside a guide to the left of its way; each length of a crank has six."""
     linkage: Any = Made(crank_mm=100.0, pivots_mm={"crank": (10.0, 20.0)}, guides_mm=[((0.0, 50.0), (200.0, 50.0))])
+    slanted: Any = Made(crank_mm=100.0, pivots_mm={}, guides_mm=[((0.0, 0.0), (60.0, 80.0))])
+    stroke = support_hatches_mm(slanted)[-1]
+    assert stroke[0] == pytest.approx([60.0, 80.0])
+    assert stroke[1] - stroke[0] == pytest.approx(0.4 * SUPPORT * 100.0 * np.array([-1.4, -0.2]))
     strokes = support_hatches_mm(linkage)
     below, beside = strokes[:SUPPORT_HATCHES], strokes[SUPPORT_HATCHES:]
     size = SUPPORT * 100.0
@@ -60,14 +64,14 @@ def test_strokes_below_supports_and_behind_guides_lean_backwards_at_even_steps()
 
 @pytest.mark.judges("design")
 def test_gentler_laws_are_a_share_of_what_is_uneven() -> None:
-    """Half of an eccentricity, of waves of ln i12, of the way from a geometric mean: 1, 4 become 2^(1/2), 2^(3/2)."""
+    """Half of an eccentricity, of waves of ln i12, of the way from a geometric mean: 1, 9 become 3^(1/2), 3^(3/2)."""
     assert Ellipse.gentler(Made(eccentricity=0.4), 0.5, "") == {"eccentricity": pytest.approx(0.2)}
     waves = Made(second_stage=None, cosine=(0.4, 0.2), sine=(0.1, -0.3))
     gentler = HarmonicRatio.gentler(waves, 0.5, "")
     assert (gentler["cosine"], gentler["sine"]) == (pytest.approx((0.2, 0.1)), pytest.approx((0.05, -0.15)))
     assert HarmonicRatio.gentler(Made(second_stage=1), 0.5, "") == {}
-    spiral = Spiral.gentler(Made(ratio_start=1.0, ratio_end=4.0), 0.5, "")
-    assert spiral == {"ratio_start": pytest.approx(2.0**0.5), "ratio_end": pytest.approx(2.0**1.5)}
+    spiral = Spiral.gentler(Made(ratio_start=1.0, ratio_end=9.0), 0.5, "")
+    assert spiral == {"ratio_start": pytest.approx(3.0**0.5), "ratio_end": pytest.approx(3.0**1.5)}
 
 
 @pytest.mark.judges("figures")
@@ -159,10 +163,11 @@ def test_measured_gears_are_told_by_the_teeth_that_jam_and_points_that_stand_alo
     assert compared._play(pair, measured=False) == "20 µm"
     points = [Made(tooth=tooth, off_mm=-0.03) for tooth in (4, 4, 7)]
     monkeypatch.setattr(compared, "alone_points", lambda one: points[: one.count])
-    told = [compared._alone(Made(gear=Gear.DRIVING, count=count)) for count in (0, 1, 3)]
+    told = [compared._alone(Made(gear=Gear.DRIVING, count=count)) for count in (0, 1, 2, 3)]
     assert told[0] == []
     assert told[1][0].what == "driving gear: 1 point stands alone, by up to 30 µm at tooth 4; not counted"
-    assert told[2][0].what == "driving gear: 3 points stand alone, by up to 30 µm at teeth 4, 7; not counted"
+    assert told[2][0].what == "driving gear: 2 points stand alone, by up to 30 µm at tooth 4; not counted"
+    assert told[3][0].what == "driving gear: 3 points stand alone, by up to 30 µm at teeth 4, 7; not counted"
     many = list(range(1, compared.MOST_TEETH + 2))
     assert (compared._first(many)[-5:], compared._first(many[:-1])[-1]) == (f"{many[-2]} ...", str(many[-2]))
 
@@ -175,6 +180,9 @@ def test_members_of_settings_are_put_in_changed_or_left() -> None:
     added = with_member(text, ("a", "d", "e"), [7])
     assert "// kept" in added
     assert json.loads(added.replace(" // kept", "")) == {"a": {"b": 1, "d": {"e": [7]}}, "c": [2]}
+    close = '{"a":{"b":1},"c":[2,[3]],"d":{}}'
+    assert with_member(close, ("c",), 5) == '{"a":{"b":1},"c":5,"d":{}}'
+    assert json.loads(with_member(close, ("d", "e"), 1)) == {"a": {"b": 1}, "c": [2, [3]], "d": {"e": 1}}
     assert json.loads(with_member("", ("x",), 1)) == {"x": 1}
 
 

@@ -5,6 +5,6 @@
 draws eight mutations of each room, and writes ``benchmarks/mutants.md``, with the reasons of ``reasons.yaml``.  ``make
 mutants`` does it for the tests of README's command.  All tests are collected once.  Each mutation is put into a process
 that is forked off, into its functions, where all tests that run its line run, first those that run little else, and
-then the others of their files, which may use what those have kept.  What is known is kept in ``export/mutants``, while
+then others of their files, which may use what those have kept.  What is known is kept in ``export/mutants``, while
 modules and test files stay as they are.
 """

@@ -19,6 +19,9 @@ from mutants.forked import Work, results
 LONGEST_S = 600.0
 """Processor time after which a file of tests is no judge, in s."""
 
+OTHERS_S = 10.0
+"""Processor time of tests that do not run a line, but may use what is kept in their file, in s."""
+
 
 @dataclass(frozen=True)
 class Covering:
@@ -29,15 +32,21 @@ class Covering:
     def of(self, module: str, line: int) -> list[Test]:
         """Quick tests before others, and of these first the tests that run a line, those that run fewest lines first.
 
-        After these come the other tests of their files, which may use what is kept in a file of a line that ran before.
+        After those of a tier come others of their files for a limited time: they may use what is kept in a file of a
+        line that ran before.
         """
         found = {test for test, ran in self.ran.items() if line in ran.lines.get(module, ())}
-        files = {test.file for test in found}
+        files, left_s = {test.file for test in found}, OTHERS_S
 
         def place(test: Test) -> tuple[bool, bool, int]:
             return test.tier != "quick", test not in found, self._counts[test]
 
-        return sorted((test for test in self.ran if test.file in files), key=place)
+        tests = list[Test]()
+        for test in sorted((test for test in self.ran if test.file in files), key=place):
+            left_s -= 0.0 if test in found else self.ran[test].seconds
+            if test in found or left_s > 0.0:
+                tests.append(test)
+        return tests
 
     @cached_property
     def _counts(self) -> dict[Test, int]:

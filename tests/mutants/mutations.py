@@ -134,7 +134,7 @@ def _has_counterpart(called: ast.Name | ast.Attribute, source: bytes) -> bool:
 def _is_text(*sides: ast.expr) -> bool:
     """Whether an operator joins texts or lists, as far as can be seen."""
     kinds = ast.JoinedStr, ast.List, ast.Tuple, ast.ListComp
+    ways = [way for one in sides for way in ((one.body, one.orelse) if isinstance(one, ast.IfExp) else (one,))]
     return any(
-        isinstance(one, kinds) or (isinstance(one, ast.Constant) and isinstance(one.value, str | bytes))
-        for one in sides
+        isinstance(one, kinds) or (isinstance(one, ast.Constant) and isinstance(one.value, str | bytes)) for one in ways
     )

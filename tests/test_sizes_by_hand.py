@@ -1,0 +1,162 @@
+"""Sizes, places and pictures of many rooms, each on a few numbers that are done by hand."""
+
+from __future__ import annotations
+
+from math import log, pi, radians, sin, sqrt
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from at_once import at_once
+from drives import drive_of_text
+from ncgear.drawings.animation import artists
+from ncgear.drawings.scene import standing
+from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.figures.advice.machine_advice import _of_unit
+from ncgear.metrology.as_measured import TIP_LAND_CURVE, is_metal
+from ncgear.project import jamming
+from ncgear.project.law_task import _of_undercut
+from ncgear.ratio.sampled_strokes import EVERYWHERE, edges_about
+from ncgear.screening.rows import _steeper_deg
+from ncgear.teeth import fouling
+
+Made: Any = SimpleNamespace
+
+
+@pytest.mark.judges("pitch")
+@at_once(("ratio_start", "ratio_end"), [(0.5, 2.0), (1.5, 0.8)])
+def test_teeth_of_a_module_fill_a_logarithmic_spiral(ratio_start: float, ratio_end: float) -> None:
+    """Of radii a/(1 + i) over 300 deg its length is their difference times sqrt(1 + g^2)/g, g = ln(r2/r1)/angle."""
+    motion = f"{{law: spiral, ratio_start: {ratio_start}, ratio_end: {ratio_end}, range_deg: 300}}"
+    head = f"name: spiral\noperation: {{speed_rpm: 60}}\nmotion: {motion}\n"
+    size = drive_of_text(f"{head}gears: {{teeth: 40, module_mm: 1.5, face_width_mm: 10}}\n").pitch.size
+    radii = 1.0 / (1.0 + ratio_start), 1.0 / (1.0 + ratio_end)
+    growth = abs(log(radii[1] / radii[0])) / radians(300.0)
+    length = abs(radii[1] - radii[0]) * sqrt(1.0 + growth**2) / growth
+    assert size.center_distance_mm == pytest.approx(40.0 * pi * 1.5 / length)
+
+
+@pytest.mark.judges("project")
+def test_teeth_of_a_law_are_free_of_undercut_by_the_height_of_the_straight_flank() -> None:
+    """k h < sin^2: over z pi/lobes of the curve for a rack of 1.4 modules, 0.3 of them round; 20 deg before 28."""
+    angles = radians(28.0), radians(20.0)
+    rack = Made(dedendum_mm=1.4, root_radius_mm=0.3, angles_rad=angles)
+
+    def gears(teeth: int, lobes: int) -> Any:
+        return Made(teeth=teeth, lobes=Made(driving=lobes), rack=Made(in_mm=lambda module: rack))
+
+    straight = 1.4 - 0.3 * (1.0 - sin(angles[1]))
+    for teeth, lobes in ((60, 1), (80, 2)):
+        (found,) = _of_undercut(Made(free_of_undercut=True), gears(teeth, lobes))
+        assert found.turns == pytest.approx(sin(angles[1]) ** 2 * teeth * pi / lobes / straight)
+    with pytest.raises(WrongInput, match=f"over {2.0 * straight / sin(angles[1]) ** 2:.4g} are right"):
+        list(_of_undercut(Made(free_of_undercut=True), gears(20, 1)))
+    assert list(_of_undercut(Made(free_of_undercut=False), None)) == []
+
+
+@pytest.mark.judges("project")
+@at_once(("given", "width"), [(0.0, 10.0), (0.5, 25.0), (9.0, 39.9), (-1.0, None)])
+def test_a_face_is_as_wide_as_a_usual_backlash_is_enough_for(given: float, width: float | None) -> None:
+    """A face of 40 mm that needs a 50th of its width: what modules of 2 mm may have, or what the file has, decides."""
+    usual = 0.2 if width is not None else 1e-6
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(jamming, "MOST_BACKLASH", usual / 2.0)
+        patch.setattr(jamming, "SURELY", 1.0)
+        patch.setattr(jamming, "changed_drive", lambda whole, changes: changes["gears.face_width_mm"])
+        patch.setattr(jamming, "backlash_needed", lambda width: width / 50.0)
+        patch.setattr(jamming, "enough", lambda needed, share: needed)
+        patch.setattr(jamming, "_made_up", lambda needed: needed)
+        gears, pitch = Made(face_width_mm=40.0), Made(size=Made(module_mm=2.0))
+        drive: Any = Made(gears=gears, pitch=pitch, helix=None, whole=None)
+        found = jamming._narrower(drive, "backlash_mm", given)
+    if width is None:
+        assert found == {}
+    else:
+        assert found["gears.face_width_mm"] == pytest.approx(width, rel=0.02)
+        assert ("gears.backlash_mm" in found) is (width / 50.0 > given)
+
+
+@pytest.mark.judges("metrology")
+def test_edges_of_lands_and_points_that_stand_alone_are_no_metal() -> None:
+    """The middle third of a land counts; of flanks all, but for ends, points far away and those that stand alone."""
+    share = np.array([0.4, 0.3, 0.65, 0.9, 0.1, 0.5, 0.5, 0.5])
+    part = np.array([TIP_LAND_CURVE] * 4 + [TIP_LAND_CURVE + 1] * 4)
+    number = np.arange(8)
+    feet = Made(row=number, share=share, at_end=number == 5, distance_mm=np.where(number == 6, 9.0, 0.0))
+    outline: Any = Made(part=part, gear=Made(flanks=Made(rack=Made(module_mm=2.0))))
+    fit: Any = Made(feet=feet, alone=number == 7)
+    assert is_metal(outline, fit).tolist() == [True, False, True, False, True, False, False, False]
+
+
+@pytest.mark.judges("figures")
+def test_a_drawing_in_another_unit_is_told_with_its_size_in_both() -> None:
+    """A contour of 254 by 50 mm, taken in inches, would be 10 by 1.97 mm if it were in mm."""
+    given: Any = Made(unit="inch", unit_mm=25.4)
+    assert "about 254 by 50 mm; in mm it would be 10 by 1.97 mm" in str(_of_unit(given, "mm", [254.0, 50.0]))
+
+
+@pytest.mark.judges("drawings")
+def test_the_view_of_a_machine_without_gears_is_a_square_about_its_axis(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("supports_mm", "walls_mm"):
+        monkeypatch.setattr(standing, name, lambda _: [])
+    for name in ("support_hatches_mm", "hatches_mm"):
+        monkeypatch.setattr(standing, name, lambda _: np.empty((0, 2, 2)))
+    scene = Made(machine=Made(linkage=Made(crank_mm=100.0)), links=(), pairs=(), gears=[], swept_mm={})
+    (left, bottom, width, height) = standing.views.__wrapped__(scene)["machine"]
+    assert (left + width / 2.0, bottom + height / 2.0) == pytest.approx((0.0, 0.0))
+    assert width == height == pytest.approx(2.0 * 100.0 * (1.0 + standing.CRANK_EYE) * (1.0 + 2.0 * standing.SLACK))
+
+
+@pytest.mark.judges("drawings")
+def test_a_strip_of_material_lies_where_its_pose_has_it() -> None:
+    """Squeezed to 30 mm from 10 mm on, 8 mm high about a level of 2 mm, in the coordinates of its axes."""
+    axes = Figure().subplots()
+    axes.set_xlim(0.0, 100.0)
+    chamber: Any = Made(straw=False, material_height_mm=8.0, level_mm=2.0)
+    scene: Any = Made(strips_mm=lambda poses: {"charge": (np.array([0.0, 10.0]), np.array([0.0, 30.0]))})
+    strip = artists._strip(axes, scene, chamber, "charge")
+    strip.pose(Made(), 1)
+    (block,) = strip.artists
+    corners = axes.transData.inverted().transform(block.get_transform().transform([[0.0, 0.0], [1.0, 1.0]]))
+    assert corners == pytest.approx(np.array([[10.0, -2.0], [40.0, 6.0]]))
+    assert block.get_visible()
+    strip.pose(Made(), 0)
+    assert not block.get_visible()
+
+
+@pytest.mark.judges("ratio")
+def test_pieces_about_a_place_of_a_return_are_quartered_towards_it() -> None:
+    """About 0.3 of it: the ends, the place itself, a quarter and a sixteenth to both sides, and no place beyond."""
+    edges = edges_about(np.array([0.3, 0.9]), 2)
+    for own, about in zip(edges, (0.3, 0.9), strict=True):
+        assert (own[0], own[-1]) == pytest.approx((-about, 1.0 - about))
+        assert (np.diff(own) >= 0.0).all()
+        assert 0.0 in own
+    for wanted in (0.25, -0.25, 0.0625, -0.0625):
+        assert np.abs(edges[0] - wanted).min() < 1e-12
+    # All pieces between are those of the whole return.
+    assert set(np.round(np.array(EVERYWHERE) - 0.3, 9)) <= set(np.round(edges[0], 9))
+
+
+@pytest.mark.judges("screening")
+def test_the_steeper_of_both_flanks_counts() -> None:
+    racks = [Made(gears=None), *(Made(gears=Made(rack=Made(angles_deg=one))) for one in ((20.0, 25.0), (28.0, 14.5)))]
+    batch: Any = Made(written=racks, follows=np.array([2, 0, 1, 1]))
+    assert _steeper_deg(batch).tolist() == [28.0, -np.inf, 25.0, 25.0]
+
+
+@pytest.mark.judges("teeth")
+def test_a_tooth_that_fouls_without_a_tip_below_is_refused_by_its_number(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of three teeth the second has no tip on its lower height."""
+    met = np.array([True, False, True])
+    monkeypatch.setattr(fouling, "_lowered", lambda *_: None)
+    monkeypatch.setattr(fouling, "tip_crossing", lambda flanks: (None, None, met))
+    monkeypatch.setattr(fouling, "no_tip", lambda flanks, number: NoSuchMechanism(f"no tip {number}"))
+    own: Any = Made(flanks=None, height_mm=None)
+    paths: Any = Made(own=np.zeros(3, dtype=int), kept=lambda mask: None)
+    with pytest.raises(NoSuchMechanism, match="no tip 1"):
+        fouling._free_of(own, paths, lambda *_: np.array([True]))
+    assert fouling._free_of(own, paths, lambda *_: np.array([False])) is own
