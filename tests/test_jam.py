@@ -12,6 +12,7 @@ from drives import drive_of_text
 from ncgear.drivetrain.bearings import Bearing
 from ncgear.drivetrain.jam import HELD, Jam, deciding, jammed_shaft
 from ncgear.drivetrain.shafts import STEELS, ShaftSection
+from ncgear.dynamics.gaps import LEAST_IN_MODULES, WITHIN_IN_MODULES
 from ncgear.errors import WrongInput
 from ncgear.figures.advice.drivetrain_advice import around
 from ncgear.figures.advice.strength_advice import rough, strength
@@ -40,6 +41,22 @@ JAM = f", overload: {{driving_torque_n_m: {TORQUE_N_M:g}, times: TIMES}}"
 
 def text_of(times: float | None, more: str = "") -> str:
     return TEXT.replace("JAM", "" if times is None else JAM.replace("TIMES", f"{times:g}")) + more
+
+
+@pytest.mark.thorough
+def test_loads_do_not_depend_on_the_depth_to_which_teeth_are_followed() -> None:
+    """Pairs are followed by the load of every stroke, 0.05 modules deep; this jam presses them in by 0.15 modules."""
+    one = drive_of_text(text_of(1.0).replace(f"{TORQUE_N_M:g}", "1500"))
+    jammed = one.judged_teeth("estimate").loading.jammed
+    methods = one.judged_teeth("estimate").methods
+    deep = one._loading_within(WITHIN_IN_MODULES, methods, one.materials)
+    assert jammed is not None
+    assert deep.jammed is not None
+    assert np.abs(jammed.error_rad).max() > 2.0 * LEAST_IN_MODULES * 2.0 / 24.0
+    np.testing.assert_allclose(jammed.contacts.force_n, deep.jammed.contacts.force_n, rtol=1e-9)
+    light = drive_of_text(text_of(None))
+    found = light.judged_teeth("estimate").loading.contacts.force_n
+    np.testing.assert_allclose(found, deep.contacts.force_n, rtol=1e-9)
 
 
 def test_round_gears_bear_a_jam_as_by_hand() -> None:

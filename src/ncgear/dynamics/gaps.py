@@ -175,8 +175,9 @@ PER_TOOTH = 80
 """Positions per tooth pitch.  At the ends of contact gaps begin to grow with the square of the way; with this many
 positions first touches are met to some millionths of a radian even there (tests/test_gaps.py)."""
 
-WITHIN_IN_MODULES = 0.52
-"""Depth to which teeth are followed into each other: deeper than any law of impact is valid."""
+WITHIN_IN_MODULES, LEAST_IN_MODULES = 0.52, 0.05
+"""Depths to which teeth are followed into each other: deeper than any law of impact is valid, and at least, so that a
+row begins many positions before its pair touches."""
 
 
 ERROR, LEVER, STIFFNESS = 0, 1, 4
@@ -308,13 +309,15 @@ def gaps_of(
     stiffness: PairStiffness,
     per_tooth: int = PER_TOOTH,
     sides: Sequence[int] = BOTH_SIDES,
+    within_modules: float = WITHIN_IN_MODULES,
 ) -> Gaps:
     """The pairs of a mesh on ``sides`` of the teeth, from contacts at ``per_tooth`` (an even number) positions a tooth.
 
-    Teeth that are followed on one side only never touch on the other.
+    Pairs are followed ``within_modules`` of the first contact.  Teeth that are followed on one side only never touch on
+    the other.
     """
     placement = placed(pitch, per_tooth)
-    found = first_within(teeth, placement, WITHIN_IN_MODULES * teeth.driving.flanks.rack.module_mm, sides)
+    found = first_within(teeth, placement, within_modules * teeth.driving.flanks.rack.module_mm, sides)
     rows = [
         _rows(contacts, float(URGE[side]), placement, stiffness) for contacts, side in zip(found, sides, strict=True)
     ]

@@ -318,34 +318,55 @@ class Drive(Geared):
         A stiffness given under ``simulation`` is not used.  Raises NoSuchMechanism where teeth are pressed too deep
         into each other, and as ``require_sound_teeth`` and ``tooth_load`` do.
         """
+        from ncgear.dynamics.gaps import WITHIN_IN_MODULES
+        from ncgear.project.forces import pressed_modules
+
+        width_mm, module_mm = self.gears.face_width_mm, self.pitch.size.module_mm
+        with located(self.places):
+            self.require_sound_teeth()
+            with self.stopwatch("load of every tooth"):
+                within = pressed_modules(self.tooth_load, width_mm, materials, module_mm)
+                try:
+                    return self._loading_within(within, methods, materials)
+                except NoSuchMechanism:
+                    if within == WITHIN_IN_MODULES:
+                        raise
+                    # Harder knocks and jams press teeth deeper.
+                    return self._loading_within(WITHIN_IN_MODULES, methods, materials)
+
+    def _loading_within(
+        self, within_modules: float, methods: tuple[InSections, InSections], materials: tuple[Material, Material]
+    ) -> Loading:
+        """As ``loading``, with pairs of teeth that are ``within_modules`` of the first contact."""
         from ncgear.contact.placement import BOTH_SIDES
         from ncgear.project.forces import borne_by
         from ncgear.strength.loading import AskedTorque, loading_of, out_and_back
 
-        with located(self.places):
-            self.require_sound_teeth()
-            pitch, sections, load = self.pitch, self.face_sections, self.tooth_load
-            with self.stopwatch("load of every tooth"):
-                asked = AskedTorque.of(pitch, load.torque_n_mm)
-                sides = BOTH_SIDES if load.load == "masses" or load.loads_return else asked.sides
-                meshing, speed = self._bearing(methods, materials, sides), self.pair_speed_rad_s
-                borne = borne_by(load, meshing) if self.stage is None else self.whole.train_borne[self.stage - 1]
-                found = loading_of(meshing, sections, pitch, asked, speed, borne)
-                if load.loads_return:
-                    coming = AskedTorque.of(pitch, load.returning_n_mm)
-                    found = out_and_back(found, loading_of(meshing, sections, pitch, coming, speed))
-                if borne.phi1_rad.size:
-                    knocking = AskedTorque.of(pitch, borne.at)
-                    found = replace(loading_of(meshing, sections, pitch, knocking, speed, borne), still=found)
-                if (jam := self.conditions.overload) is None:
-                    return found
-                jamming = AskedTorque.of(pitch, partial(load.passed_on_n_mm, jam.driving_n_mm))
-                return replace(found, jammed=loading_of(meshing, sections, pitch, jamming, speed))
+        pitch, sections, load = self.pitch, self.face_sections, self.tooth_load
+        asked = AskedTorque.of(pitch, load.torque_n_mm)
+        sides = BOTH_SIDES if load.load == "masses" or load.loads_return else asked.sides
+        meshing, speed = self._bearing(methods, materials, sides, within_modules), self.pair_speed_rad_s
+        borne = borne_by(load, meshing) if self.stage is None else self.whole.train_borne[self.stage - 1]
+        found = loading_of(meshing, sections, pitch, asked, speed, borne)
+        if load.loads_return:
+            coming = AskedTorque.of(pitch, load.returning_n_mm)
+            found = out_and_back(found, loading_of(meshing, sections, pitch, coming, speed))
+        if borne.phi1_rad.size:
+            knocking = AskedTorque.of(pitch, borne.at)
+            found = replace(loading_of(meshing, sections, pitch, knocking, speed, borne), still=found)
+        if (jam := self.conditions.overload) is None:
+            return found
+        jamming = AskedTorque.of(pitch, partial(load.passed_on_n_mm, jam.driving_n_mm))
+        return replace(found, jammed=loading_of(meshing, sections, pitch, jamming, speed))
 
     def _bearing(
-        self, methods: tuple[InSections, InSections], materials: tuple[Material, Material], sides: Sequence[int]
+        self,
+        methods: tuple[InSections, InSections],
+        materials: tuple[Material, Material],
+        sides: Sequence[int],
+        within_modules: float,
     ) -> Meshing:
-        """The teeth under load with the stiffness of methods, not of ``simulation``; only ``sides`` can touch."""
+        """The teeth as in ``meshing_of``, with the stiffness of methods, not of ``simulation``."""
         from ncgear.design.keys.masses import Simulation
         from ncgear.project.forces import meshing_of
         from ncgear.project.tooth_strength import stiffnesses
@@ -353,21 +374,23 @@ class Drive(Geared):
         sections, width_mm = self.face_sections, self.gears.face_width_mm
         stiff = stiffnesses(self.tooth_load, sections, width_mm, methods, materials)
         each = [(one.teeth, own) for one, own in zip(sections.each, stiff, strict=True)]
-        return meshing_of(Simulation(), self.pitch, each, sides)
+        return meshing_of(Simulation(), self.pitch, each, sides, within_modules)
 
     @computed
     def train_borne(self) -> tuple[BorneTorque, ...]:
         """The torques on the teeth of pairs in series, with the stiffness of the estimate; masses only of two."""
         from ncgear.contact.placement import BOTH_SIDES
         from ncgear.dynamics.flank_changes import BorneTorque
+        from ncgear.dynamics.gaps import WITHIN_IN_MODULES
         from ncgear.project.forces import train_borne_by
         from ncgear.project.tooth_strength import methods_of
 
         loads = [one.tooth_load for one in self.by_stage]
         if loads[0].load != "masses":
             return tuple(BorneTorque(load.torque_n_mm, self.transmission.cycle_rad) for load in loads)
+        both = BOTH_SIDES, WITHIN_IN_MODULES
         meshings = [
-            one._bearing(methods_of("estimate", one.face_sections, one.materials, one.rims), one.materials, BOTH_SIDES)
+            one._bearing(methods_of("estimate", one.face_sections, one.materials, one.rims), one.materials, *both)
             for one in self.by_stage
         ]
         with self.stopwatch("knocks"):

@@ -11,8 +11,8 @@ import numpy as np
 from ncgear.contact.placement import BOTH_SIDES
 from ncgear.design.keys.masses import Simulation
 from ncgear.dynamics.crank_load import CrankLoad, crank_load
-from ncgear.dynamics.flank_changes import BorneTorque, borne_torque
-from ncgear.dynamics.gaps import PER_TOOTH, Gaps, gaps_of
+from ncgear.dynamics.flank_changes import HARDEST, BorneTorque, borne_torque
+from ncgear.dynamics.gaps import LEAST_IN_MODULES, PER_TOOTH, WITHIN_IN_MODULES, Gaps, gaps_of
 from ncgear.dynamics.loaded_machine import RigidMachine
 from ncgear.dynamics.meshing import Friction, Impact, Meshing
 from ncgear.dynamics.motion_in_time import DriveLine, EvenDrive, Motor, law_table
@@ -26,7 +26,8 @@ from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.numerics.units import N_PER_KG_MM_S2, RAD_S_PER_RPM
 from ncgear.pitch.pair import PitchPair
 from ncgear.project.tooth_load import ToothLoad
-from ncgear.strength.stiffness import ISO_N_MM_UM
+from ncgear.strength.material import Material
+from ncgear.strength.stiffness import ISO_N_MM_UM, STEEL_MPA
 from ncgear.teeth.gear import ToothedPair
 
 SAMPLES = 720
@@ -74,18 +75,31 @@ def meshing_of(
     pitch: PitchPair,
     sections: Sequence[tuple[ToothedPair, PairStiffness]],
     sides: Sequence[int] = BOTH_SIDES,
+    within_modules: float = WITHIN_IN_MODULES,
 ) -> Meshing:
     """The pair of gears under load, with the given stiffness or else with the teeth's own stiffness.
 
     ``sections`` are the teeth beside each other along the face width, a single one for straight teeth, each with its
-    stiffness.  Only ``sides`` of the teeth can touch.
+    stiffness.  Only ``sides`` of the teeth can touch, and pairs that are ``within_modules`` of the first contact.
     """
     depth_mm = given.full_damping_depth_mm or pitch.size.module_mm / FULLY_DAMPED
     impact = Impact(given.exponent, given.damping_n_s_mm or 0.0, depth_mm)
     per_tooth = PER_TOOTH if len(sections) == 1 else PER_TOOTH // 2
-    parts = [gaps_of(teeth, pitch, stiffness_of(given, own), per_tooth, sides) for teeth, own in sections]
+    followed = per_tooth, sides, within_modules
+    parts = [gaps_of(teeth, pitch, stiffness_of(given, own), *followed) for teeth, own in sections]
     key = given.stiffness_n_mm and STIFFNESS_KEY
     return Meshing(law_table(pitch.transmission), Gaps.beside(parts), impact, friction_of(given), key or None)
+
+
+SOFTEST_TEETH = 0.5
+"""Stiffness of a pair of teeth, as a share of ISO_N_MM_UM, below which it hardly ever is."""
+
+
+def pressed_modules(load: ToothLoad, face_width_mm: float, materials: Sequence[Material], module_mm: float) -> float:
+    """Depth in modules to which a load, even in knocks, hardly ever presses teeth into each other."""
+    modulus = min(one.youngs_modulus_mpa for one in materials)
+    stiffness = SOFTEST_TEETH * 1e3 * ISO_N_MM_UM * modulus / STEEL_MPA * face_width_mm
+    return min(max(HARDEST * load.peak_n / stiffness / module_mm, LEAST_IN_MODULES), WITHIN_IN_MODULES)
 
 
 def friction_of(given: Simulation) -> Friction:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import partial
+from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -88,7 +88,7 @@ class ToothLoad:
         slope = self.pair.transmission.driven_angle(angle_rad, 1).derivative(1)
         return np.stack([slope, np.ones(slope.shape)], axis=1) / self.mesh_force(angle_rad, urge).size_n.value[:, None]
 
-    @property
+    @cached_property
     def peak_n(self) -> float:
         """Largest normal force of all pairs of teeth together; the force of the jam if they have no other load."""
 
