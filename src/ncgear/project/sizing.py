@@ -194,9 +194,13 @@ def smallest_gears(drive: Drive, space: GearRoom, on_trial: OnTrial = lambda don
         )
     search = _Search(drive, space, on_trial, [_begun(drive)])
     found: list[Sized] = []
-    for module, guessed in search.modules():
-        if found and guessed > GREATER * min(one.volume_mm3 for one in found):
+    modules = set(space.modules_mm)
+    while modules:
+        guessed, module = min((search.least_volume(module), module) for module in modules)
+        volumes = sorted(one.volume_mm3 for one in found)
+        if guessed == inf or (found and guessed > min([GREATER * volumes[0], *volumes[BEST - 1 : BEST]])):
             break
+        modules.remove(module)
         best = search.smallest(module)
         if best is not None:
             found.append(best)
@@ -329,13 +333,9 @@ class _Search:
         load = self.computed[0].rating.strength.load
         return load if load in MOST_COMPUTED else "resistance"
 
-    def modules(self) -> list[tuple[float, float]]:
-        """Modules and the guessed volumes of their gears, the least first; empty without room."""
-        guessed = [
-            (module, min((self.volume(z, module) for z in self.teeth()), default=inf))
-            for module in self.space.modules_mm
-        ]
-        return sorted((one for one in guessed if one[1] < inf), key=lambda one: one[1])
+    def least_volume(self, module_mm: float) -> float:
+        """The guessed volume of the smallest gears of a module; infinite without room."""
+        return min((self.volume(teeth, module_mm) for teeth in self.teeth()), default=inf)
 
     def teeth(self) -> list[int]:
         """Numbers of driving teeth that may be tried, including the number of the design."""
@@ -379,11 +379,12 @@ class _Search:
     def widened(self, teeth: int, module_mm: float) -> Sized | None:
         """The narrowest gears of a size that hold, in whole mm; None where they are refused or would be too wide."""
         best: Sized | None = None
+        below = 0.0
         for _ in range(TRIES):
             width = self.width(teeth, module_mm)
             if width > self.space.width_modules * module_mm or self.trials >= self.most_computed:
                 break
-            if best is not None and width >= best.face_width_mm:
+            if best is not None and not below < width < best.face_width_mm:
                 break
             self.trials += 1
             made = self.made(teeth, module_mm, width)
@@ -391,6 +392,8 @@ class _Search:
                 return best
             if made.holds:
                 best = made
+            else:
+                below = made.face_width_mm
         return best
 
     def narrowed(self, one: Sized) -> tuple[Sized, bool]:
