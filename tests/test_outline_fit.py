@@ -379,6 +379,13 @@ def test_the_design_of_a_fitted_curve_draws_that_curve_and_its_mate() -> None:
         assert np.hypot(x, y) + np.hypot(x + 18.0, y) == pytest.approx(60.0, abs=1e-4)
 
 
+def test_a_fit_is_offered_for_what_it_takes() -> None:
+    for lobes, mesh, fits in (("", "", True), ("2, driven: 2", "", False), ("1, driven: 2", ", mesh: internal", False)):
+        more = f", lobes: {{driving: {lobes}}}" if lobes else ""
+        text = CORNERED.replace("face_width_mm: 8", f"face_width_mm: 8{more}{mesh}")
+        assert ncgear.loads(text).design.can_be_fitted is fits
+
+
 def turning(folder: Path) -> tuple[float, float]:
     """Greatest overlap in mm2 and greatest gap in mm of written outlines that turn by the written law."""
     driving, driven = (shapely.Polygon(np.loadtxt(folder / f"{n}.csv", delimiter=",", skiprows=1)) for n in GEARS)
