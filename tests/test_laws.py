@@ -395,6 +395,24 @@ def test_the_factor_that_a_refusal_names_does_close_the_cycle() -> None:
 
 
 @at_once(
+    ("law", "text", "driving", "driven"),
+    [
+        (driven_angle_expression_law, "2*phi + 0.1*sin(2*phi)", 2, 1),
+        (driven_angle_expression_law, "phi/3 + 0.1*sin(phi)", 1, 3),
+        (partial(ratio_expression_law, scale_to_close=False), "1/(3 + cos(3*phi))", 3, 1),
+        (partial(ratio_expression_law, scale_to_close=False), "2/(1 + 0.3*cos(phi))", 1, 2),
+    ],
+)
+def test_the_lobes_that_a_refusal_names_do_close_the_cycle(
+    law: Callable[[str, Lobes], Transmission], text: str, driving: int, driven: int
+) -> None:
+    with pytest.raises(NoSuchMechanism) as caught:
+        law(text, Lobes())
+    assert f"gears.lobes: {{driving: {driving}, driven: {driven}}} is right" in caught.value.problem
+    assert abs(law(text, Lobes(driving, driven)).closure_error_rad) <= 1e-12
+
+
+@at_once(
     ("text", "said"),
     [
         ("1.001/(1 + 0.3*cos(phi))", "does not close"),

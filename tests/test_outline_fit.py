@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import shapely
+from shapely import affinity
 
 import ncgear
 from at_once import at_once
@@ -22,7 +23,11 @@ from ncgear.optimum.outline.nearest import deviation
 from ncgear.optimum.outline.outline import axes_to_try, outline_of
 from ncgear.optimum.outline.phases import best_phases
 from ncgear.optimum.outline.rolled import MatePlace, Rolled, SplineBasis, closing_distance_mm, rays
+from ncgear.project.drive import Drive
 from ncgear.project.outline_fit import OutlineFit
+from ncgear.project.outline_trial import control_points
+
+GEARS = "driving", "driven"
 
 TURN = np.linspace(0.0, tau, 400, endpoint=False)
 
@@ -371,6 +376,43 @@ outline: {axis: fixed}
 """
 
 
+def of_the_ellipse_about_its_focus(semi: float, eccentricity: float) -> Rolled:
+    return rolled(lambda phi: semi * (1.0 - eccentricity**2) / (1.0 + eccentricity * np.cos(phi)), 48, 24)
+
+
+def test_the_design_of_a_fitted_curve_draws_that_curve_and_its_mate() -> None:
+    """Of an ellipse about its focus: its equal as mate, at a distance of its major axis."""
+    curve = replace(of_the_ellipse_about_its_focus(30.0, 0.3), axis_mm=np.array([2.0, -1.0]))
+    design = ncgear.loads(CORNERED).design
+    points = control_points(curve)
+    motion = type(design.motion)(**design.motion.along(points, curve.axis_mm))
+    drive = Drive(design.model_copy(update={"motion": motion}))
+    assert drive.pitch.center_distance_mm == pytest.approx(60.0, abs=1e-5)
+    for pitch in (drive.pitch.driving, drive.pitch.driven):
+        x, y = pitch.drawn(200).position.T
+        assert np.hypot(x, y) + np.hypot(x + 18.0, y) == pytest.approx(60.0, abs=1e-4)
+
+
+def test_a_fit_is_offered_for_what_it_takes() -> None:
+    for lobes, mesh, fits in (("", "", True), ("2, driven: 2", "", False), ("1, driven: 2", ", mesh: internal", False)):
+        more = f", lobes: {{driving: {lobes}}}" if lobes else ""
+        text = CORNERED.replace("face_width_mm: 8", f"face_width_mm: 8{more}{mesh}")
+        assert ncgear.loads(text).design.can_be_fitted is fits
+
+
+def turning(folder: Path) -> tuple[float, float]:
+    """Greatest overlap in mm2 and greatest gap in mm of written outlines that turn by the written law."""
+    driving, driven = (shapely.Polygon(np.loadtxt(folder / f"{n}.csv", delimiter=",", skiprows=1)) for n in GEARS)
+    law = np.loadtxt(folder / "law.csv", delimiter=",", skiprows=1)[::83, :2]
+    apart = json.loads((folder / "assembly.json").read_text())["center_distance_mm"]
+    overlap, gap = 0.0, 0.0
+    for phi1, phi2 in law:
+        one = affinity.rotate(driving, phi1, origin=(0, 0), use_radians=True)
+        other = affinity.translate(affinity.rotate(driven, -phi2, origin=(0, 0), use_radians=True), apart)
+        overlap, gap = max(overlap, one.intersection(other).area), max(gap, one.distance(other))
+    return overlap, gap
+
+
 @pytest.mark.slow
 def test_the_command_writes_a_design_that_builds(run: Run) -> None:
     Path("tile.yaml").write_text(CORNERED)
@@ -386,6 +428,11 @@ def test_the_command_writes_a_design_that_builds(run: Run) -> None:
     assert told["deviation"]["root_mean_square_mm"] == pytest.approx(root, rel=5e-3)
     assert told["deviation"]["greatest_mm"] == pytest.approx(greatest, rel=5e-3)
     assert Path("out/outline.png").read_bytes()[:4] == b"\x89PNG"
+    assert run("build", "out/tile-fitted.yaml", "--format", "svg", "--out", "pair")[0] == 0
+    overlap, gap = turning(Path("pair"))
+    # Flanks that touch: chords with a tolerance of 0.5 um leave a gap of about that, and meet in slivers.
+    assert overlap < 1e-5
+    assert gap < 2e-3
 
 
 def test_an_outline_needs_a_pitch_curve() -> None:

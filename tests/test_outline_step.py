@@ -7,13 +7,15 @@ from math import pi, tau
 
 import numpy as np
 import pytest
+from scipy import sparse
+from scipy.optimize import minimize
 
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.outline import nearest
 from ncgear.optimum.outline.conditions import CurveLimits, excess
 from ncgear.optimum.outline.nearest import away_mm, deviation, mate_deviation, nearest_curve
 from ncgear.optimum.outline.outline import Outline, outline_of
-from ncgear.optimum.outline.programme import MateWanted, OutlineAim, missed, step
+from ncgear.optimum.outline.programme import EQUATIONS, MateWanted, OutlineAim, _solved, missed, step
 from ncgear.optimum.outline.rolled import MatePlace, Rolled, SplineBasis, closing_distance_mm
 
 pytest.importorskip("clarabel")
@@ -54,6 +56,42 @@ def test_a_step_comes_back_to_a_curve_that_is_known() -> None:
     assert found.module_mm == pytest.approx(length_mm(found) / (pi * TEETH), rel=1e-4)
     twice = step(outline, found, LIMITS, OutlineAim(), 2.0)
     assert np.mean(twice.turned) == pytest.approx(1.0, abs=1e-5)
+
+
+def test_the_mate_closes_but_for_the_third_order_of_the_step() -> None:
+    """Half as long a step leaves an eighth: the second solution removes what goes with the square."""
+    outline, left = of(KNOWN), list[float]()
+    for share in (1.0, 0.5):
+        off = 30.0 + (2.0 + 0.8 * share) * np.cos(PHI) + (1.0 - share) * np.sin(2.0 * PHI)
+        found = step(outline, curve(off, (2.0 + share, -1.0 - share)), LIMITS, OutlineAim(), 4.0)
+        left.append(abs(float(np.mean(found.turned)) - 1.0))
+    assert left[1] < left[0] / 6.0
+
+
+def test_the_least_of_a_form_over_many_rows_is_that_of_scipy() -> None:
+    """Most rows bind nowhere; the start keeps none of them in view."""
+    drawn = np.random.default_rng(5)
+    size, count = 6, 300
+    root, linear = drawn.normal(size=(size, size)), drawn.normal(size=size)
+    square = root @ root.T + np.eye(size)
+    rows, bound = drawn.normal(size=(count, size)), drawn.uniform(0.02, 3.0, count)
+    bound[:EQUATIONS] = 0.0
+    form = sparse.csc_matrix(np.triu(square))
+    found = _solved(form, linear, sparse.csr_array(rows), bound, np.zeros(size))
+    equal, below = rows[:EQUATIONS], rows[EQUATIONS:]
+    judged = minimize(
+        lambda x: x @ square @ x / 2.0 + linear @ x,
+        np.zeros(size),
+        jac=lambda x: square @ x + linear,
+        method="SLSQP",
+        constraints=[
+            {"type": "eq", "fun": lambda x: equal @ x, "jac": lambda x: equal},
+            {"type": "ineq", "fun": lambda x: bound[EQUATIONS:] - below @ x, "jac": lambda x: -below},
+        ],
+        options={"ftol": 1e-14},
+    )
+    assert np.count_nonzero(bound[EQUATIONS:] - below @ judged.x < 1e-6) > 0
+    assert found == pytest.approx(judged.x, abs=1e-5)
 
 
 def test_a_step_is_no_longer_than_it_may_be_and_holds_what_is_held() -> None:

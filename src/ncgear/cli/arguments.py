@@ -144,7 +144,7 @@ def opened(path: Path, *, offers_fit: bool = True) -> Iterator[LoadedDesign]:
         try:
             yield loaded
         except NoSuchMechanism as refusal:
-            if not (offers_fit and loaded.design.motion.gives_outline and _is_of_curve(refusal)):
+            if not (offers_fit and loaded.design.can_be_fitted and _is_of_curve(refusal)):
                 raise
             offer = f"ncgear fit {pasted(path)} finds the nearest pitch curve whose gears can be made"
             raise NoSuchMechanism(

@@ -50,7 +50,7 @@ from ncgear.project.outline_trial import (
     most_lacking,
 )
 
-TRIALS, NEARER = 10, 2
+TRIALS, NEARER = 10, 3
 """Most pairs that are made until one is accepted, and how many more are tried between it and the last refused pair if
 it came soon; else one more."""
 

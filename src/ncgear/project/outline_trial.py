@@ -167,7 +167,7 @@ def drawn_in(made: Made, refusals: int) -> CurveLimits:
     if not made.lacking.size:
         return replace(limits, share=np.maximum(share * NO_TEETH, LEAST_SHARE))
     reach = BESIDE_PITCHES * curve.length_mm / curve.teeth
-    near = np.maximum(1.0 - curve.apart_mm(made.lacking[:, 0]) / reach, 0.0)
+    near = _beside(curve, made.lacking[:, 0])
     less = np.max(near * np.minimum(DRAWN_IN + MORE * refusals + made.lacking[:, 1], MOST_DRAWN_IN), axis=1)
     shortest = np.min(np.where(curve.apart_mm(made.meetings_mm) < reach, made.arcs, np.inf), axis=1, initial=np.inf)
     eased = np.where((refusals == 0) & (less == 0.0) & (shortest > ROOMY), EASED, 1.0)
@@ -190,14 +190,25 @@ def most_lacking(made: Made) -> str:
 
 
 def between(kept: Made, refused: Made | None) -> CurveLimits:
-    """Limits half-way between an accepted pair and a refused pair; a little eased where no pair was refused."""
+    """Limits half-way between an accepted pair and a refused one; the wider of both away from where the latter lacks
+    contact, if that is known; a little eased where no pair was refused."""
     share = np.asarray(kept.limits.share)
     if refused is None:
         return replace(kept.limits, share=np.minimum(share * EASED**2, MOST_SHARE))
-    other = refused.limits
+    other, near = refused.limits, 1.0
+    if refused.lacking.size:
+        near = np.max(_beside(refused.curve, refused.lacking[:, 0]), axis=1)
+    half = (share + np.asarray(other.share)) / 2.0
     return replace(
         kept.limits,
-        share=(share + np.asarray(other.share)) / 2.0,
+        share=near * half + (1.0 - near) * np.maximum(share, other.share),
         steepest_rad=(kept.limits.steepest_rad + other.steepest_rad) / 2.0,
         nearest=(kept.limits.nearest + other.nearest) / 2.0,
     )
+
+
+def _beside(curve: Rolled, at_mm: Array) -> Array:
+    """1 at arc lengths of shape (k,), falling to 0 at ``BESIDE_PITCHES`` from them: shape (m, k)."""
+    reach = BESIDE_PITCHES * curve.length_mm / curve.teeth
+    found: Array = np.maximum(1.0 - curve.apart_mm(at_mm) / reach, 0.0)
+    return found

@@ -123,6 +123,14 @@ class Design(Model, Shown):
         return f"{COUNTS[self.stages]} pairs of gears", key
 
     @property
+    def can_be_fitted(self) -> bool:
+        """Whether ``ncgear fit`` takes the design: gears side by side, of one lobe each, one of which is drawn."""
+        gears = self.gears
+        if gears is None or not self.motion.gives_outline:
+            return False
+        return gears.mesh != "internal" and (gears.lobes.driving, gears.lobes.driven) == (1, 1)
+
+    @property
     def loads_teeth(self) -> bool:
         """Whether the file gives loads on the teeth: a resistance, masses or a jam."""
         return any(one is not None for one in (self.resistance, self.masses, self.strength.overload))

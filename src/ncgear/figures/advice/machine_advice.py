@@ -160,7 +160,7 @@ FIT = Remedy("let ncgear fit find the nearest pitch curve whose gears can be mad
 
 def _nearest(drive: Drive) -> tuple[Remedy, ...]:
     """The command that follows a drawn outline, where there is one."""
-    return (FIT,) if drive.design.motion.gives_outline else ()
+    return (FIT,) if drive.design.can_be_fitted else ()
 
 
 WITHOUT_THEM = "what is told here is the motion without them"

@@ -37,9 +37,6 @@ STEEPEST_RAD = radians(55.0)
 NEAREST = 0.12
 """Usual least radius of the mate as a share of the centre distance."""
 
-WINDOW_PITCHES = 1.0
-"""Pitches to either side of the mean over a concave stretch, with weights that fall to the ends."""
-
 
 @dataclass(frozen=True, eq=False)
 class CurveLimits:
@@ -90,7 +87,7 @@ def conditions(curve: Rolled, limits: CurveLimits) -> Iterator[OutlineCondition]
     """All conditions of a curve."""
     module, share = curve.module_mm, np.broadcast_to(limits.share, curve.speed_mm.shape)
     bound, slope = limits.hollow(module * curve.together)
-    mean, none = _mean_over_window(curve), np.zeros_like(curve.speed_mm)
+    mean, none = curve.mean_over_window, np.zeros_like(curve.speed_mm)
 
     def of_curvature(curvature: Array, mate: bool, sign: float) -> tuple[sparse.csr_array, Array, Array]:
         rows = curve.together_rows - curve.curvature_rows if mate else curve.curvature_rows
@@ -128,13 +125,6 @@ def conditions(curve: Rolled, limits: CurveLimits) -> Iterator[OutlineCondition]
 def _alone(rows: sparse.csr_array, none: Array) -> tuple[sparse.csr_array, Array, Array]:
     """Slopes of conditions that depend on neither centre distance nor module."""
     return rows, none, none
-
-
-def _mean_over_window(curve: Rolled) -> sparse.csr_array:
-    """Weights of all places in the mean about each, shape (m, m)."""
-    pitch = curve.length_mm / curve.teeth
-    near = np.maximum(1.0 - curve.apart_mm(curve.arc_mm) / (WINDOW_PITCHES * pitch), 0.0) * curve.speed_mm
-    return sparse.csr_array(near / near.sum(axis=1, keepdims=True))
 
 
 def excess(curve: Rolled, limits: CurveLimits) -> float:

@@ -39,6 +39,9 @@ SHRINKS = 20
 FIRST_STEP, LEAST_STEP = 0.08, 2e-4
 """Greatest step of the first programme, and a step after which nothing changes, as shares of the outline's size."""
 
+GAIN = 3e-4
+"""Share of the cost that a step must gain for another to follow."""
+
 MISSED = 4.0
 """Cost of violating a condition by 1, against distances in sizes of the outline."""
 
@@ -141,7 +144,7 @@ def nearest_curve(
     if not curves:
         raise NoSuchMechanism("no axis inside the outline is met by every ray; give one in motion", key="motion")
     for count, rounds in HEATS_OF_TWO if wanted.mate else HEATS:
-        curves = sorted(curves, key=lambda one: _cost(outline, one, limits, wanted))[:count]
+        curves = sorted(curves, key=lambda one: _cost(outline, one, limits, wanted)[0])[:count]
         curves = [_better(outline, one, limits, wanted, rounds, FIRST_STEP) for one in curves]
     found = curves[0]
     off = missed(found, limits, wanted)
@@ -175,10 +178,10 @@ def _most_missed(curve: Rolled, limits: CurveLimits) -> str:
     return f"{TOO_MUCH[worst.kind]} at ({x:.4g}, {y:.4g}) mm of the drawing"
 
 
-def _cost(outline: Outline, curve: Rolled, limits: CurveLimits, wanted: OutlineAim) -> float:
-    """The deviation in mm, plus the cost of violated conditions."""
-    distance = away_mm(outline, curve, wanted, ROUGHLY)
-    return distance + MISSED * outline.size_mm / 64.0 * max(missed(curve, limits, wanted), 0.0)
+def _cost(outline: Outline, curve: Rolled, limits: CurveLimits, wanted: OutlineAim) -> tuple[float, float]:
+    """The deviation in mm plus the cost of violated conditions, and the largest violation."""
+    off = missed(curve, limits, wanted)
+    return away_mm(outline, curve, wanted, ROUGHLY) + MISSED * outline.size_mm / 64.0 * max(off, 0.0), off
 
 
 def _better(
@@ -186,14 +189,14 @@ def _better(
 ) -> Rolled:
     """The curve after some programmes; a step without gain makes the next steps smaller."""
     most = first * outline.size_mm
-    cost = _cost(outline, curve, limits, wanted)
+    cost, off = _cost(outline, curve, limits, wanted)
     for _ in range(rounds):
         found = step(outline, curve, limits, wanted, most)
-        after = _cost(outline, found, limits, wanted)
+        after, off_after = _cost(outline, found, limits, wanted)
         moved = float(np.max(np.abs(found.radius[0] - curve.radius[0]))) / outline.size_mm
-        if after < cost or missed(curve, limits, wanted) > KEPT:
-            gained, curve, cost = cost - after, found, after
-            if abs(gained) < 1e-3 * cost and missed(curve, limits, wanted) <= KEPT:
+        if after < cost or off > KEPT:
+            gained, curve, cost, off = cost - after, found, after, off_after
+            if abs(gained) < GAIN * cost and off <= KEPT:
                 break
         else:
             most /= 3.0

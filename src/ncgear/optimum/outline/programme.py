@@ -1,7 +1,9 @@
 """One step towards the nearest curve: a quadratic programme about the curve so far.
 
 Nearest points of outline and curve make the squared distances quadratic, point to tangent; conditions are taken with
-their slopes.  It is solved by Clarabel (P. J. Goulart and Y. Chen, 2024), and its answer is judged by the caller.
+their slopes, and once more with their values at the answer (a second-order correction: R. Fletcher, 1982), since a
+moved axis bends them.  It is solved by Clarabel (P. J. Goulart and Y. Chen, 2024), and its answer is judged by the
+caller.
 """
 
 from __future__ import annotations
@@ -33,6 +35,9 @@ SMOOTHING = 1e-7
 TOUCHING = 1e-3
 """Share of the size within which points touch: there the curve's normal is the way to the outline."""
 
+
+NEAR, TIGHT = 0.1, 1e-9
+"""Distance from its bound within which a row is taken at once, and a violation that counts as none."""
 
 WIDTHS = {"axis": 2, "distance": 1, "module": 1, "slack": 1, "greatest": 1}
 MATE_WIDTHS = {"mate_axis": 2, "mate_turn": 1, "mate_scale": 1}
@@ -139,10 +144,32 @@ class _Rows:
         """All bounds."""
         return np.concatenate(self.bounds)
 
-    def matrix(self, size: int) -> sparse.csc_matrix:
+    def matrix(self, size: int) -> sparse.csr_array:
         """All rows, for ``size`` unknowns."""
         values, rows, columns = (np.concatenate(part) for part in zip(*self.parts, strict=True))
-        return sparse.csc_matrix((values, (rows, columns)), shape=(self.count, size))
+        return sparse.csr_array((values, (rows, columns)), shape=(self.count, size))
+
+
+def _solved(form: sparse.csc_matrix, linear: Array, rows: sparse.csr_array, bound: Array, start: Array) -> Array:
+    """The least of a quadratic form where the first rows times the unknowns equal their bounds and no other is above.
+
+    Few rows bind: the rows near their bounds at ``start`` are taken, and those that the answer violates, until it
+    violates none.  Raises NoSuchMechanism where the solver finds none.
+    """
+    import clarabel
+
+    settings = clarabel.DefaultSettings()
+    settings.verbose, settings.max_threads = False, 1
+    found, taken, near = start, np.arange(bound.size) < EQUATIONS, NEAR
+    while np.any(more := (bound - rows @ found < near) & ~taken):
+        taken |= more
+        cones = [clarabel.ZeroConeT(EQUATIONS), clarabel.NonnegativeConeT(int(taken.sum()) - EQUATIONS)]
+        some = sparse.csc_matrix(rows[taken])
+        solved = clarabel.DefaultSolver(form, linear, some, bound[taken], cones, settings).solve()
+        found, near = np.array(solved.x), -TIGHT
+        if str(solved.status) not in ("Solved", "AlmostSolved") or not np.all(np.isfinite(found)):
+            raise NoSuchMechanism(f"no pitch curve near the outline was found ({solved.status})", key="motion")
+    return found
 
 
 def step(outline: Outline, curve: Rolled, limits: CurveLimits, wanted: OutlineAim, most_mm: float) -> Rolled:
@@ -150,8 +177,6 @@ def step(outline: Outline, curve: Rolled, limits: CurveLimits, wanted: OutlineAi
 
     Raises NoSuchMechanism where the solver finds none.
     """
-    import clarabel
-
     count, mate, place = curve.basis.count, wanted.mate, curve.mate_place
     widths = {"radius": count, **WIDTHS, **(MATE_WIDTHS if mate else {})}
     begins = dict(zip(widths, accumulate(widths.values(), initial=0), strict=False))
@@ -175,25 +200,19 @@ def step(outline: Outline, curve: Rolled, limits: CurveLimits, wanted: OutlineAi
     b0 = curve.basis.places[0]
     places = b0.shape[0]
     r, distance = curve.radius[0], curve.center_distance_mm
-    # Functions linear in the step: their value at the curve so far moves to the other side.
-    so_far = curve.coefficients
     closing = ((distance / (distance - r) ** 2) @ b0)[None, :] / places
-    by_distance = -np.mean(r / (distance - r) ** 2)
-    below(
-        np.array([1.0 - np.mean(curve.turned) + closing[0] @ so_far + by_distance * distance]),
-        radius=closing,
-        distance=np.array([by_distance]),
-    )
     length = (np.ones(places) @ curve.speed_rows)[None, :] * (tau / places / (pi * curve.teeth))
-    below(np.array([length[0] @ so_far - curve.module_mm]), radius=length, module=np.array([-1.0]))
+    below(np.zeros(1), radius=closing, distance=np.array([-np.mean(r / (distance - r) ** 2)]))
+    below(np.zeros(1), radius=length, module=np.array([-1.0]))
+    for one in conditions(curve, limits):
+        rows_of, by_distance, by_module = one.slopes()
+        slack = np.full(places, -1.0)
+        below(np.zeros(places), radius=rows_of, distance=by_distance, module=by_module, slack=slack)
+    curved = programme.count
     if wanted.module_mm is not None:
         for sign in (1.0, -1.0):
             miss = np.array([sign / wanted.module_mm])
             below(np.array([sign]), module=miss, slack=np.array([-1.0]))
-    for one in conditions(curve, limits):
-        rows_of, by_distance_of, by_module = one.slopes()
-        bound = rows_of @ so_far + by_distance_of * distance + by_module * curve.module_mm - one.value
-        below(bound, radius=rows_of, distance=by_distance_of, module=by_module, slack=np.full(places, -1.0))
     most_axis = 0.0 if wanted.fixed_axis else most_mm
     for sign in (1.0, -1.0):
         below(sign * r + most_mm, radius=sign * b0)
@@ -216,17 +235,30 @@ def step(outline: Outline, curve: Rolled, limits: CurveLimits, wanted: OutlineAi
                 by = sign * weight / most
                 part = {name: by * rows for name, rows in columns.items()}
                 below(by * aim, **part, greatest=np.full(aim.size, -1.0))
-    matrix, bound = programme.matrix(size), programme.bound
-    settings = clarabel.DefaultSettings()
-    settings.verbose, settings.max_threads = False, 1
-    cones = [clarabel.ZeroConeT(EQUATIONS), clarabel.NonnegativeConeT(bound.size - EQUATIONS)]
-    form = sparse.csc_matrix(np.triu(square))
-    solved = clarabel.DefaultSolver(form, linear, matrix, bound, cones, settings).solve()
-    found = np.array(solved.x)
-    if str(solved.status) not in ("Solved", "AlmostSolved") or not np.all(np.isfinite(found)):
-        raise NoSuchMechanism(f"no pitch curve near the outline was found ({solved.status})", key="motion")
-    values = {name: found[begin : begin + widths[name]] for name, begin in begins.items()}
-    if mate:
-        turned, scale = float(values["mate_turn"][0]), float(values["mate_scale"][0])
-        place = MatePlace(values["mate_axis"], turned, scale)
-    return Rolled(curve.basis, values["radius"], values["axis"], float(values["distance"][0]), curve.teeth, place)
+    form, rows, bound = sparse.csc_matrix(np.triu(square)), programme.matrix(size), programme.bound
+    found = curve
+    for _ in range(2):
+        # The second time with the same slopes and the values of the curve that was found: a second-order correction.
+        unknowns = _unknowns(found, widths)
+        bound[:curved] = rows[:curved] @ unknowns - _values(found, limits)
+        solved = _solved(form, linear, rows, bound, unknowns)
+        values = {name: solved[begin : begin + widths[name]] for name, begin in begins.items()}
+        if mate:
+            turned, scale = float(values["mate_turn"][0]), float(values["mate_scale"][0])
+            place = MatePlace(values["mate_axis"], turned, scale)
+        found = Rolled(curve.basis, values["radius"], values["axis"], float(values["distance"][0]), curve.teeth, place)
+    return found
+
+
+def _values(curve: Rolled, limits: CurveLimits) -> Array:
+    """How far the mate is from closing and the module from the length, and the values of all conditions."""
+    return np.concatenate([[np.mean(curve.turned) - 1.0, 0.0], *(one.value for one in conditions(curve, limits))])
+
+
+def _unknowns(curve: Rolled, widths: Mapping[str, int]) -> Array:
+    """The unknowns of a curve, without slack, in the order of ``widths``."""
+    known = {"radius": curve.coefficients, "axis": curve.axis_mm}
+    known |= {"distance": curve.center_distance_mm, "module": curve.module_mm}
+    if (place := curve.mate_place) is not None:
+        known |= {"mate_axis": place.axis_mm, "mate_turn": place.turned_rad, "mate_scale": place.scale}
+    return np.concatenate([np.broadcast_to(known.get(name, 0.0), width) for name, width in widths.items()])

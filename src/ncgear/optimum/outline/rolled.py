@@ -28,6 +28,10 @@ PER_COEFFICIENT, FINER = 3, 8
 """Places for each coefficient at which conditions apply, and points for each such place."""
 
 
+WINDOW_PITCHES = 1.0
+"""Pitches to either side of the mean over a concave stretch, with weights that fall to the ends."""
+
+
 @dataclass(frozen=True, eq=False)
 class SplineBasis:
     """The periodic uniform quintic B-splines of the polar angle, ``count`` of them, at even places."""
@@ -247,6 +251,13 @@ class Rolled:
         away = np.abs(self.arc_mm[:, None] - at_mm[None, :])
         found: Array = np.minimum(away, self.length_mm - away)
         return found
+
+    @cached_property
+    def mean_over_window(self) -> sparse.csr_array:
+        """Weights of all places in the mean about each, shape (m, m)."""
+        reach = WINDOW_PITCHES * self.length_mm / self.teeth
+        near = np.maximum(1.0 - self.apart_mm(self.arc_mm) / reach, 0.0) * self.speed_mm
+        return sparse.csr_array(near / near.sum(axis=1, keepdims=True))
 
 
 def scaled(by: Array, rows: sparse.csr_array) -> sparse.csr_array:

@@ -20,7 +20,14 @@ from ncgear.numerics.jet import Jet
 from ncgear.numerics.proven import proven, smooth_parts
 from ncgear.numerics.tape import NotReal
 from ncgear.numerics.units import in_words
-from ncgear.ratio.laws.integrated import NEARLY_CLOSED, Slope, integrated_law, smooth_or_refused, stretched
+from ncgear.ratio.laws.integrated import (
+    NEARLY_CLOSED,
+    Slope,
+    closing_lobes,
+    integrated_law,
+    smooth_or_refused,
+    stretched,
+)
 from ncgear.ratio.transmission import JetFunction, Lobes, OpenRange, Piece, Transmission
 
 NO_JUMP = 1e-9
@@ -74,7 +81,7 @@ def driven_angle_expression_law(text: str, lobes: Lobes) -> Transmission:
     if not abs(end - start - lobes.driven_period_rad) <= NEARLY_CLOSED * lobes.driven_period_rad:
         raise NoSuchMechanism(
             f"the cycle does not close: the driven angle grows by {end - start:.12g} rad over a cycle, "
-            f"and must grow by {lobes.driven_period_rad:.12g}",
+            f"and must grow by {lobes.driven_period_rad:.12g}{closing_lobes(end - start, lobes)}",
             key=key,
         )
     factor = lobes.driven_period_rad / (end - start)

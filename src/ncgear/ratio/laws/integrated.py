@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
+from math import inf
 
 import numpy as np
 
@@ -92,7 +93,20 @@ def _closing_factor(covered: float, lobes: Lobes, scale_to_close: bool, key: str
         raise NoSuchMechanism(
             f"the cycle does not close: the driven gear turns by {covered:.12g} rad while the driving gear turns by "
             f"{lobes.driving_period_rad:.6g} rad, and it must turn by {target:.12g}; multiply the ratio by "
-            f"{1.0 / factor:.12g}, or set scale_to_close: true",
+            f"{1.0 / factor:.12g}, or set scale_to_close: true{closing_lobes(covered, lobes)}",
             key=key,
         )
     return factor
+
+
+def closing_lobes(covered: float, lobes: Lobes) -> str:
+    """Words for the lobes of one gear with which a law closes that turns the driven gear by ``covered`` rad in a period
+    of the driving gear; empty where there are none."""
+    if not 0.0 < covered < inf:
+        return ""
+    share = covered / lobes.driving_period_rad
+    driving, driven = max(round(share), 1), max(round(1.0 / share), 1)
+    if abs(share * driven / driving - 1.0) > NEARLY_CLOSED or driving == driven:
+        return ""
+    repeats = f"for a law that repeats {driving} times a turn, " if driving > 1 else ""
+    return f"; {repeats}gears.lobes: {{driving: {driving}, driven: {driven}}} is right"
