@@ -13,6 +13,7 @@ from itertools import groupby
 from math import ceil, cos, pi, sin
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from xml.etree import ElementTree
 
 import numpy as np
 
@@ -33,6 +34,23 @@ PX_PER_INCH = 96.0
 MM_PER_PX = 25.4 / PX_PER_INCH
 """Unit of CSS and SVG for numbers without a unit; the library converts numbers with a unit."""
 
+LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
+"""The name of a layer, as its program shows it."""
+
+NAME, WANTED = "ncgear-name", "ncgear-wanted"
+"""Attributes for the name of an element and for the wanted one."""
+
+UNREADABLE = (ValueError, ArithmeticError, TypeError, LookupError, AttributeError, SyntaxError, RecursionError)
+"""Errors of the libraries for files that they cannot read."""
+
+REFERRED = ("symbol", "mask", "marker")
+HIDDEN = ("hidden", "collapse")
+NO_CURVES = {
+    "text": "text has to become paths in the drawing",
+    "image": "a picture in it is no curve: give its file under picture",
+}
+"""What stands in a drawing without curves."""
+
 SMALLEST_SHARE = 0.01
 """Share of a picture's pixels; a smaller patch counts as dust beside the silhouette."""
 
@@ -49,26 +67,58 @@ def svg_contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
 
     content, wanted = read_bytes(file, limit_mb=LARGEST_MB), given.get("element")
     try:
-        document = SVG.parse(BytesIO(content), reify=False, ppi=PX_PER_INCH)
-        shapes = [one for one in document.elements() if isinstance(one, Shape)]
+        tree = ElementTree.fromstring(content)
+        if _kind(tree) != "svg":
+            raise WrongInput(f"is no SVG file: its first element is {quoted(_kind(tree))}", location=str(file))
+        document = SVG.parse(BytesIO(_marked(tree, wanted)), reify=False, ppi=PX_PER_INCH)
+        drawn = [one for one in document.elements() if isinstance(one, Shape)]
+        shapes = [one for one in drawn if one.values.get("visibility") not in HIDDEN]
         mm = MM_PER_PX * _sharpened(document)
         height_mm = mm * float(document.height)
-    except (ValueError, ArithmeticError, TypeError, KeyError, IndexError, AttributeError, SyntaxError) as error:
+    except UNREADABLE as error:
         said = " ".join(str(error).split())
         raise WrongInput(f"is no SVG file that can be read: {quoted(said)}", location=str(file)) from error
-    curves = chords_joined(
-        (part for shape in shapes if wanted is None or shape.id == wanted for part in _parts(shape, height_mm, mm)),
-        file,
-    )
+    with np.errstate(over="ignore", invalid="ignore"):
+        curves = chords_joined(
+            (
+                part
+                for shape in shapes
+                if wanted is None or WANTED in shape.values
+                for part in _parts(shape, height_mm, mm, file)
+            ),
+            file,
+        )
     if not curves:
-        names = sorted({shape.id for shape in shapes if shape.id})
+        names = sorted({shape.values[NAME] for shape in shapes if NAME in shape.values})
         held = f"; elements with curves are {listed([quoted(name) for name in names], 'and')}" if names else ""
+        others = sorted({_kind(one) for one in tree.iter()} & set(NO_CURVES)) if not shapes else []
+        held += "".join(f"; {NO_CURVES[one]}" for one in others)
         of = "" if wanted is None else f" of the element {quoted(wanted)}"
         raise WrongInput(f"holds no curve{of}{held}", location=str(file))
     return FromFile({"curves": curves})
 
 
-def _parts(shape: Shape, height_mm: float, mm: float) -> Iterator[dict[str, Any]]:
+def _kind(element: ElementTree.Element) -> str:
+    return element.tag.rpartition("}")[2]
+
+
+def _marked(tree: ElementTree.Element, wanted: str | None) -> bytes:
+    """The file with the names of elements and the mark of the wanted one, which the library hands down to their parts.
+
+    What is drawn only where another element refers to it goes to the definitions, since the library draws it.
+    """
+    for one in list(tree.iter()):
+        names = [one.get(key) for key in ("id", LABEL) if one.get(key)]
+        one.attrib.update({NAME: names[0]} if names else {})
+        one.attrib.update({WANTED: ""} if wanted in names else {})
+        for number, part in enumerate(one):
+            if _kind(part) in REFERRED:
+                one[number] = ElementTree.Element("defs")
+                one[number].append(part)
+    return ElementTree.tostring(tree)
+
+
+def _parts(shape: Shape, height_mm: float, mm: float, file: Path) -> Iterator[dict[str, Any]]:
     """The parts of an element in mm (of a pixel) from the lower left corner of the page; affine maps keep weights."""
     on = shape.transform
     linear, offset = mm * np.array([[on.a, -on.b], [on.c, -on.d]]), np.array([mm * on.e, height_mm - mm * on.f])
@@ -78,8 +128,10 @@ def _parts(shape: Shape, height_mm: float, mm: float) -> Iterator[dict[str, Any]
         kept = moved if weights is not None else moved[np.append(np.any(np.diff(moved, axis=0) != 0.0, axis=1), True)]
         if np.all(kept == kept[0]):
             continue
+        if not np.all(np.isfinite(kept)):
+            raise WrongInput("holds a coordinate that is no finite number", location=str(file))
         x, y = kept.T.tolist()
-        part = {"layer": shape.id or "", "degree": 1, "x": x, "y": y}
+        part = {"layer": shape.values.get(NAME, ""), "degree": 1, "x": x, "y": y}
         knots = [0.0] * len(points) + [1.0] * len(points)
         yield part if weights is None else {**part, "degree": len(points) - 1, "knots": knots, "weights": weights}
 

@@ -221,7 +221,7 @@ def one_contour(curves: Sequence[RationalSpline], near_mm: float, key: str) -> t
         at = left[int(np.argmax(np.isfinite(ends_mm[:, 0, 0])))].points[0]
         raise WrongInput(
             f"{beside} further part{'s' if beside > 1 else ''} beside a closed contour, at ({at[0]:.6g}, "
-            f"{at[1]:.6g}); one closed contour is needed: name its layer, or remove the others",
+            f"{at[1]:.6g}); one closed contour is needed: name its layer or element, or remove the others",
             key=key,
         )
     ends = [curve.points[-1] for curve in found]
