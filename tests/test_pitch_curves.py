@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from itertools import pairwise
 from math import cos, pi, radians, sin, sqrt, tan, tau
@@ -431,6 +432,27 @@ def test_points_are_kept_to_their_tolerance_by_a_curve_smoother_than_they_are(to
     through, _ = smoothed_points(angle, noisy, 1e-13, 1, KEY)
     wild = through.stretches[0].polar(angle, 2)[1]
     assert np.max(np.abs(radius.derivative(2))) < 0.05 * np.max(np.abs(wild.derivative(2)))
+
+
+def test_scattered_points_are_refused_with_the_tolerance_that_they_keep() -> None:
+    """Points that scatter by up to 0.05 mm, evenly: about the curve itself, and so about the one that is sought."""
+    angle, random = np.arange(2000) * tau / 2000, np.random.default_rng(5)
+    scattered = egg_mm(angle) + random.uniform(-0.05, 0.05, angle.size)
+    for lobes, about in ((1, "a smooth curve"), (2, "2 equal lobes")):
+        twice = np.concatenate([scattered[::2], scattered[::2]]) if lobes == 2 else scattered
+        refused = rf"scatter about {about}, .*, by 0.0[56]\S* mm, over .* of 0.01 mm; tolerance_mm: (0.0[56]\d*) or"
+        with pytest.raises(NoSuchMechanism, match=refused) as refusal:
+            smoothed_points(angle, twice, 0.01, lobes, KEY)
+        found = re.search(refused, str(refusal.value))
+        assert found
+        assert smoothed_points(angle, twice, float(found[1]), lobes, KEY)[1] <= float(found[1])
+
+
+def test_corners_and_rounded_numbers_are_no_scatter() -> None:
+    """Points of a square, whose curve has to bend at each corner, in numbers of three decimals."""
+    angle = np.arange(1000) * tau / 1000
+    square = np.round(20.0 / np.maximum(np.abs(np.cos(angle)), np.abs(np.sin(angle))), 3)
+    assert smoothed_points(angle, square, 0.02, 1, KEY)[1] <= 0.02
 
 
 def test_points_of_several_lobes_make_equal_lobes() -> None:

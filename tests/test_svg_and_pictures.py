@@ -95,6 +95,52 @@ def test_an_element_is_picked_and_what_is_missing_is_named(tmp_path: Path) -> No
         from_svg(tmp_path, page("<text>nothing</text>"))
 
 
+@pytest.mark.parametrize(
+    "beside",
+    [
+        '<circle visibility="hidden" r="5"/>',
+        '<style>.no, .other {display: none}</style><circle class="no" r="5"/>',
+        '<symbol id="s"><circle r="5"/></symbol>',
+        '<mask id="m"><circle r="5"/></mask>',
+        '<defs><marker id="m"><path d="M 0 0 L 5 5"/></marker></defs>',
+    ],
+    ids=["hidden", "style", "symbol", "mask", "marker"],
+)
+def test_what_is_not_drawn_is_no_part_of_the_contour(tmp_path: Path, beside: str) -> None:
+    """By the specification of SVG 1.1: symbols, masks and markers are drawn only where an element refers to them."""
+    alone = from_svg(tmp_path, page(ARCS)).law.center_distance_mm
+    assert from_svg(tmp_path, page(beside + ARCS)).law.center_distance_mm == alone
+    used = '<symbol id="s">' + ARCS + '</symbol><use href="#s"/>'
+    assert from_svg(tmp_path, page(used)).law.center_distance_mm == alone
+
+
+def test_a_layer_is_picked_by_its_id_and_by_its_name(tmp_path: Path) -> None:
+    space = 'xmlns:i="http://www.inkscape.org/namespaces/inkscape"'
+    layers = page(f'<g id="layer1" {space} i:label="Rim">{ARCS}</g><g id="layer2"><circle r="5"/></g>')
+    alone = from_svg(tmp_path, page(ARCS)).law.center_distance_mm
+    for name in ("layer1", "Rim", "p"):
+        assert from_svg(tmp_path, layers, f", element: {name}").law.center_distance_mm == alone
+    with pytest.raises(WrongInput, match="elements with curves are 'layer2' and 'p'"):
+        from_svg(tmp_path, layers, ", element: layer3")
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        ("<html><svg/></html>", "is no SVG file: its first element is 'html'"),
+        (page("<text>nothing</text>"), "holds no curve; text has to become paths in the drawing"),
+        (page('<image href="a.png"/>'), "holds no curve; a picture in it is no curve"),
+        (page('<g id="a"><use href="#b"/></g><g id="b"><use href="#a"/></g>'), "is no SVG file that can be read"),
+        (page('<circle r="1e308"/><circle r="1"/>'), "holds a coordinate that is no finite number"),
+        (page('<circle r="9"/><circle r="1"/>'), "one closed contour is needed: name its layer or element, or remove"),
+    ],
+    ids=["page of the web", "text", "picture", "circle of references", "infinite", "two contours"],
+)
+def test_a_file_without_one_contour_is_refused_with_the_reason(tmp_path: Path, content: str, said: str) -> None:
+    with pytest.raises(WrongInput, match=said):
+        from_svg(tmp_path, content).law  # noqa: B018
+
+
 def silhouette(pixels: int = 400, ink: int = 0, paper: int = 255) -> Image.Image:
     """An ellipse of 30 by 24 mm on 60 mm."""
     image = Image.new("L", (pixels, pixels), paper)

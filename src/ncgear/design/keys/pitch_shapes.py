@@ -214,7 +214,7 @@ class DrawnContour(Drawn):
             if len(layers) == 1:
                 raise
             closed = list[str]()
-            for layer in layers:
+            for layer in filter(None, layers):
                 with suppress(WrongInput):
                     one_contour([self._spline(part) for part in parts if part.layer == layer], self.near_mm, key)
                     closed.append(layer)
@@ -263,7 +263,11 @@ class SvgContour(DrawnContour):
     file: FileName | None = optional(
         "SVG file with one closed contour of paths, circles, ellipses or polygons; its path counts from the design file"
     )
-    element: str | None = optional("id of the contour's element; left out: all elements", min_length=1, max_length=255)
+    element: str | None = optional(
+        "id of the contour's element, or id or label of its layer or group; left out: all elements",
+        min_length=1,
+        max_length=255,
+    )
 
     FILE: ClassVar[str] = "an SVG file"
 

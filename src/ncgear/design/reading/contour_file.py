@@ -51,6 +51,8 @@ FULL = 1e-5
 POINT = 1e-9
 """A circle or an arc with a smaller radius, in the drawing's unit, has no length."""
 
+Vertex = tuple[float, float, float]
+
 FLAT = 1e-9
 """An arc with a smaller bulge is a line: its height is less than a thousand-millionth of half its length."""
 
@@ -73,12 +75,7 @@ def contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
         shown = [one for one in every if _name(one.dxf.layer) not in hidden and not one.dxf.get("invisible", 0)]
         named = [one for one in shown if layer is None or _name(one.dxf.layer) == _name(str(layer))]
         read = [one for one in named if one.dxftype() in READ]
-        curves = chords_joined(_values(curve, one, file) for one in read for curve in _curves(one))
-        if len(curves) > MOST_CURVES:
-            problem = (
-                f"holds {len(curves)} lines, arcs and curves; at most {MOST_CURVES} are right: join lines to a polyline"
-            )
-            raise WrongInput(problem, location=str(file))
+        curves = chords_joined((_values(curve, one, file) for one in read for curve in _curves(one)), file)
         if not curves:
             raise WrongInput(_holds_none(document, every, shown, layer), location=str(file))
         found = {"curves": curves, "near": _near(read)}
@@ -171,23 +168,25 @@ def _holds_none(document: Drawing, every: list[DXFEntity], shown: list[DXFEntity
     return f"holds no {listed(READ)}{on_layer}; {why}"
 
 
-def _curves(entity: DXFEntity) -> Iterator[BSpline]:
-    """The entity as rational B-splines, one after the other; some may have no length."""
+def _curves(entity: DXFEntity) -> Iterator[BSpline | list[Vertex]]:
+    """The entity as rational B-splines and chains of chords, one after the other; some may have no length."""
     from ezdxf import entities as kinds
-    from ezdxf.math import BSpline, ConstructionEllipse, Vec3, rational_bspline_from_ellipse
+    from ezdxf.math import ConstructionEllipse, Vec3, rational_bspline_from_ellipse
 
     if isinstance(entity, kinds.LWPolyline | kinds.Polyline):
         line = _without_flat_bulges(entity)
         if isinstance(line, kinds.LWPolyline) and not line.has_arc:
-            # A traced outline may have many chords: one curve has them all.
-            points = list(line.vertices_in_wcs())
+            # A traced outline may have many chords: one chain has them all.
+            points = [(x, y, line.dxf.elevation) for x, y in _vertices(line)]
+            if (ocs := line.ocs()).transform:
+                points = [tuple(one) for one in ocs.points_to_wcs(Vec3.generate(points))]
             if len(points) > 1:
-                yield BSpline([*points, points[0]] if line.closed else points, order=2)
+                yield [*points, points[0]] if line.closed else points
         else:
             for part in line.virtual_entities():
                 yield from _curves(part)
     elif isinstance(entity, kinds.Line):
-        yield BSpline([entity.dxf.start, entity.dxf.end], order=2)
+        yield [tuple(entity.dxf.start), tuple(entity.dxf.end)]
     elif isinstance(entity, kinds.Spline):
         yield _through_fit_points(entity) if not entity.control_points and entity.closed else entity.construction_tool()
     elif isinstance(entity, kinds.Ellipse):
@@ -237,29 +236,23 @@ def _through_fit_points(entity: Spline) -> BSpline:
     return BSpline(spline.c.tolist(), order=4, knots=spline.t.tolist())
 
 
-def _values(curve: BSpline, entity: DXFEntity, file: Path) -> dict[str, Any]:
+def _values(curve: BSpline | list[Vertex], entity: DXFEntity, file: Path) -> dict[str, Any]:
     """The curve as the keys of a part; refuses a curve that leaves the plane."""
-    points = [tuple(point) for point in curve.control_points]
-    numbers = [value for point in points for value in point]
-    size = max(map(abs, numbers), default=0.0)
+    x, y, z = map(list, zip(*(curve if isinstance(curve, list) else curve.control_points), strict=True))
+    size = max(map(abs, (*x, *y, *z)))
     if not isfinite(size):
         raise WrongInput("holds a coordinate that is no finite number", location=str(file))
-    heights = [z for _, _, z in points]
-    if max(heights) - min(heights) > 1e-6 * size:
+    if max(z) - min(z) > 1e-6 * size:
         raise WrongInput(
             "holds a part that leaves the plane of the drawing; a flat contour is needed", location=str(file)
         )
+    part = {"layer": _decoded(entity.dxf.layer), "degree": 1, "x": x, "y": y}
+    if isinstance(curve, list):
+        return part
     weights = [float(weight) for weight in curve.weights()]
     # Some programs write -1 for the weights of a spline without weights.
-    weights = weights if any(weight > 0.0 for weight in weights) else [1.0] * len(points)
-    return {
-        "layer": _decoded(entity.dxf.layer),
-        "degree": curve.degree,
-        "knots": [float(knot) for knot in curve.knots()],
-        "x": [float(x) for x, _, _ in points],
-        "y": [float(y) for _, y, _ in points],
-        "weights": weights,
-    }
+    weights = weights if any(weight > 0.0 for weight in weights) else [1.0] * len(x)
+    return {**part, "degree": curve.degree, "knots": [float(knot) for knot in curve.knots()], "weights": weights}
 
 
 def chords_of(x: list[float], y: list[float]) -> dict[str, Any]:
@@ -269,8 +262,11 @@ def chords_of(x: list[float], y: list[float]) -> dict[str, Any]:
     return {"degree": 1, "knots": knots, "x": x, "y": y, "weights": [1.0] * count}
 
 
-def chords_joined(parts: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
-    """The parts in order; each run of lines that follow each other becomes one chain of chords."""
+def chords_joined(parts: Iterable[dict[str, Any]], file: Path) -> list[dict[str, Any]]:
+    """The parts in order; each run of lines that follow each other becomes one chain of chords.
+
+    Lines need no knots and weights.  Raises WrongInput for too many parts.
+    """
     found = list[dict[str, Any]]()
     for part in parts:
         last = found[-1] if found else {}
@@ -280,6 +276,11 @@ def chords_joined(parts: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
             last["y"] += part["y"][1:]
         else:
             found.append(part)
+    if len(found) > MOST_CURVES:
+        problem = (
+            f"holds {len(found)} lines, arcs and curves; at most {MOST_CURVES} are right: join lines to a polyline"
+        )
+        raise WrongInput(f"{problem}, or simplify the curve", location=str(file))
     return [{**one, **chords_of(one["x"], one["y"])} if one["degree"] == 1 else one for one in found]
 
 
@@ -309,7 +310,7 @@ def _vertices(entity: DXFEntity) -> Iterator[tuple[float, float]]:
     from ezdxf import entities as kinds
 
     if isinstance(entity, kinds.LWPolyline):
-        yield from ((float(x), float(y)) for x, y in entity.get_points("xy"))
+        yield from np.array(entity.lwpoints.values).reshape(-1, 5)[:, :2].tolist()
     elif isinstance(entity, kinds.Polyline):
         yield from ((one.dxf.location.x, one.dxf.location.y) for one in entity.vertices)
     elif isinstance(entity, kinds.Spline):

@@ -7,11 +7,13 @@ picture is a chain of chords, which a smooth curve follows later.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from io import BytesIO
+from itertools import groupby
 from math import ceil, cos, pi, sin
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from xml.etree import ElementTree
 
 import numpy as np
 
@@ -24,13 +26,30 @@ from ncgear.extras import require
 from ncgear.numerics.arrays import Array
 
 if TYPE_CHECKING:
-    from svgelements import SVG, Arc, PathSegment, Point
+    from svgelements import SVG, Arc, PathSegment, Point, Shape
 
 LARGEST_MB = 20
 
 PX_PER_INCH = 96.0
 MM_PER_PX = 25.4 / PX_PER_INCH
 """Unit of CSS and SVG for numbers without a unit; the library converts numbers with a unit."""
+
+LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
+"""The name of a layer, as its program shows it."""
+
+NAME, WANTED = "ncgear-name", "ncgear-wanted"
+"""Attributes for the name of an element and for the wanted one."""
+
+UNREADABLE = (ValueError, ArithmeticError, TypeError, LookupError, AttributeError, SyntaxError, RecursionError)
+"""Errors of the libraries for files that they cannot read."""
+
+REFERRED = ("symbol", "mask", "marker")
+HIDDEN = ("hidden", "collapse")
+NO_CURVES = {
+    "text": "text has to become paths in the drawing",
+    "image": "a picture in it is no curve: give its file under picture",
+}
+"""What stands in a drawing without curves."""
 
 SMALLEST_SHARE = 0.01
 """Share of a picture's pixels; a smaller patch counts as dust beside the silhouette."""
@@ -45,56 +64,98 @@ def svg_contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
     """
     require("svgelements", "svg", str(file))
     from svgelements import SVG, Shape
-    from svgelements import Path as Drawn
 
     content, wanted = read_bytes(file, limit_mb=LARGEST_MB), given.get("element")
     try:
-        document = SVG.parse(BytesIO(content), reify=True, ppi=PX_PER_INCH)
-        shapes = [one for one in document.elements() if isinstance(one, Shape)]
+        tree = ElementTree.fromstring(content)
+        if _kind(tree) != "svg":
+            raise WrongInput(f"is no SVG file: its first element is {quoted(_kind(tree))}", location=str(file))
+        document = SVG.parse(BytesIO(_marked(tree, wanted)), reify=False, ppi=PX_PER_INCH)
+        drawn = [one for one in document.elements() if isinstance(one, Shape)]
+        shapes = [one for one in drawn if one.values.get("visibility") not in HIDDEN]
         mm = MM_PER_PX * _sharpened(document)
-        height = float(document.height)
-    except (ValueError, ArithmeticError, TypeError, KeyError, IndexError, AttributeError, SyntaxError) as error:
+        height_mm = mm * float(document.height)
+    except UNREADABLE as error:
         said = " ".join(str(error).split())
         raise WrongInput(f"is no SVG file that can be read: {quoted(said)}", location=str(file)) from error
-    curves = chords_joined(
-        _values(curve, shape.id or "", height, mm)
-        for shape in shapes
-        if wanted is None or shape.id == wanted
-        # Turned ellipses and rectangles keep their transform until they become paths.
-        for segment in abs(Drawn(shape))
-        for curve in _curves(segment)
-    )
+    with np.errstate(over="ignore", invalid="ignore"):
+        curves = chords_joined(
+            (
+                part
+                for shape in shapes
+                if wanted is None or WANTED in shape.values
+                for part in _parts(shape, height_mm, mm, file)
+            ),
+            file,
+        )
     if not curves:
-        names = sorted({shape.id for shape in shapes if shape.id})
+        names = sorted({shape.values[NAME] for shape in shapes if NAME in shape.values})
         held = f"; elements with curves are {listed([quoted(name) for name in names], 'and')}" if names else ""
+        others = sorted({_kind(one) for one in tree.iter()} & set(NO_CURVES)) if not shapes else []
+        held += "".join(f"; {NO_CURVES[one]}" for one in others)
         of = "" if wanted is None else f" of the element {quoted(wanted)}"
         raise WrongInput(f"holds no curve{of}{held}", location=str(file))
     return FromFile({"curves": curves})
 
 
-Bezier = tuple[Array, Array]
-"""Control points (shape (degree + 1, 2)) and their weights (shape (degree + 1,))."""
+def _kind(element: ElementTree.Element) -> str:
+    return element.tag.rpartition("}")[2]
 
 
-def _curves(segment: PathSegment) -> Iterator[Bezier]:
-    from svgelements import Arc, CubicBezier, Move, QuadraticBezier
+def _marked(tree: ElementTree.Element, wanted: str | None) -> bytes:
+    """The file with the names of elements and the mark of the wanted one, which the library hands down to their parts.
 
-    if isinstance(segment, Move) or segment.start is None or segment.end is None:
-        return
-    if isinstance(segment, Arc):
-        yield from _arcs(segment)
-        return
-    between: tuple[Point, ...] = ()
-    if isinstance(segment, CubicBezier):
-        between = segment.control1, segment.control2
-    elif isinstance(segment, QuadraticBezier):
-        between = (segment.control,)
-    points = np.array([_xy(one) for one in (segment.start, *between, segment.end)])
-    if np.any(points != points[0]):
-        yield points, np.ones(len(points))
+    What is drawn only where another element refers to it goes to the definitions, since the library draws it.
+    """
+    for one in list(tree.iter()):
+        names = [one.get(key) for key in ("id", LABEL) if one.get(key)]
+        one.attrib.update({NAME: names[0]} if names else {})
+        one.attrib.update({WANTED: ""} if wanted in names else {})
+        for number, part in enumerate(one):
+            if _kind(part) in REFERRED:
+                one[number] = ElementTree.Element("defs")
+                one[number].append(part)
+    return ElementTree.tostring(tree)
 
 
-def _arcs(arc: Arc) -> Iterator[Bezier]:
+def _parts(shape: Shape, height_mm: float, mm: float, file: Path) -> Iterator[dict[str, Any]]:
+    """The parts of an element in mm (of a pixel) from the lower left corner of the page; affine maps keep weights."""
+    on = shape.transform
+    linear, offset = mm * np.array([[on.a, -on.b], [on.c, -on.d]]), np.array([mm * on.e, height_mm - mm * on.f])
+    for points, weights in _curves(shape.segments(transformed=False)):
+        moved = points @ linear + offset
+        # Lines along each other are one chain of chords, with each vertex once.
+        kept = moved if weights is not None else moved[np.append(np.any(np.diff(moved, axis=0) != 0.0, axis=1), True)]
+        if np.all(kept == kept[0]):
+            continue
+        if not np.all(np.isfinite(kept)):
+            raise WrongInput("holds a coordinate that is no finite number", location=str(file))
+        x, y = kept.T.tolist()
+        part = {"layer": shape.values.get(NAME, ""), "degree": 1, "x": x, "y": y}
+        knots = [0.0] * len(points) + [1.0] * len(points)
+        yield part if weights is None else {**part, "degree": len(points) - 1, "knots": knots, "weights": weights}
+
+
+def _curves(segments: Iterable[PathSegment]) -> Iterator[tuple[Array, list[float] | None]]:
+    """Control points of each curve (shape (degree + 1, 2)) and their weights; a run of lines has none."""
+    from svgelements import Arc, CubicBezier, Linear, QuadraticBezier
+
+    for kind, run in groupby(segments, type):
+        if issubclass(kind, Linear):
+            lines = [one for one in run if one.start is not None and one.end is not None]
+            if lines:
+                yield np.array([_xy(lines[0].start), *(_xy(one.end) for one in lines)]), None
+            continue
+        for one in run:
+            if isinstance(one, Arc):
+                yield from _arcs(one)
+            elif isinstance(one, CubicBezier):
+                yield np.array([_xy(at) for at in (one.start, one.control1, one.control2, one.end)]), [1.0] * 4
+            elif isinstance(one, QuadraticBezier):
+                yield np.array([_xy(at) for at in (one.start, one.control, one.end)]), [1.0] * 3
+
+
+def _arcs(arc: Arc) -> Iterator[tuple[Array, list[float]]]:
     """Parts of up to a quarter of an ellipse, rational curves whose middle weight is the cosine of half their angle."""
     center, along, across = (np.array(_xy(one)) for one in (arc.center, arc.prx, arc.pry))
     along, across = along - center, across - center
@@ -104,7 +165,7 @@ def _arcs(arc: Arc) -> Iterator[Bezier]:
         turns = (start + step * (number + share) for share in (0.0, 0.5, 1.0))
         begin, middle, end = (center + cos(turn) * along + sin(turn) * across for turn in turns)
         weight = cos(step / 2.0)
-        yield np.array([begin, center + (middle - center) / weight, end]), np.array([1.0, weight, 1.0])
+        yield np.array([begin, center + (middle - center) / weight, end]), [1.0, weight, 1.0]
 
 
 def _xy(point: Point) -> tuple[float, float]:
@@ -119,20 +180,6 @@ def _sharpened(document: SVG) -> float:
     if sized is None or not float(document.width) > 0.0:
         return 1.0
     return float(sized[1]) * (10.0 if sized[2].lower() == "cm" else 1.0) / MM_PER_PX / float(document.width)
-
-
-def _values(curve: Bezier, element: str, height_px: float, mm: float) -> dict[str, Any]:
-    """The curve as the keys of a part, in mm (of a pixel) from the lower left corner of the page."""
-    points, weights = curve
-    degree = len(points) - 1
-    return {
-        "layer": element,
-        "degree": degree,
-        "knots": [0.0] * (degree + 1) + [1.0] * (degree + 1),
-        "x": (mm * points[:, 0]).tolist(),
-        "y": (mm * (height_px - points[:, 1])).tolist(),
-        "weights": weights.tolist(),
-    }
 
 
 def picture_contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:

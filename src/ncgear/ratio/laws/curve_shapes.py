@@ -6,7 +6,7 @@ Lengths are in mm.  Shapes that are drawn in the plane have their axis at (0, 0)
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import cos, hypot, pi, sin, tan, tau
+from math import ceil, cos, hypot, log2, pi, sin, tan, tau
 
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline, splrep
@@ -14,6 +14,7 @@ from scipy.interpolate import BSpline, make_interp_spline, splrep
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.formula import Formula, composed
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.proven import proven, smooth_parts
@@ -36,6 +37,14 @@ SMOOTHINGS = 60
 
 MANY_PLACES = 4000
 """Places of points for each mean: from twice as many on, a spline through means is sought first."""
+
+SCATTERED_FROM, WHITE, COMMON = 500, 1.5, 0.12
+"""Least number of points that show their scatter; the least ratio of von Neumann of scatter (2 for noise, near 0 for a
+curve that follows too little); and the least share of the tolerance by which half the points miss the curve: normal
+noise of 100 000 points beyond the tolerance has 0.15."""
+
+WIDER = 1.05
+"""Factor between tolerances that are tried for scattered points."""
 
 SAME_PLACE_RAD = 1e-9
 """Angles of points nearer than this are one place of the curve."""
@@ -212,7 +221,7 @@ def one_contour(curves: Sequence[RationalSpline], near_mm: float, key: str) -> t
         at = left[int(np.argmax(np.isfinite(ends_mm[:, 0, 0])))].points[0]
         raise WrongInput(
             f"{beside} further part{'s' if beside > 1 else ''} beside a closed contour, at ({at[0]:.6g}, "
-            f"{at[1]:.6g}); one closed contour is needed: name its layer, or remove the others",
+            f"{at[1]:.6g}); one closed contour is needed: name its layer or element, or remove the others",
             key=key,
         )
     ends = [curve.points[-1] for curve in found]
@@ -266,7 +275,8 @@ def smoothed_points(
 
     It is a periodic quintic smoothing spline (P. Dierckx, "Curve and Surface Fitting with Splines", Oxford 1993,
     chapter 6) that keeps the tolerance with few knots, else the spline through the points. All points shape one of
-    several lobes.  Raises NoSuchMechanism where lobes differ by more than the tolerance.
+    several lobes.  Raises NoSuchMechanism where lobes differ by more than the tolerance, and where many points scatter
+    by more, with the tolerance that is kept.
     """
     period = tau / repeats
     folded = np.mod(angle_rad, period)
@@ -281,31 +291,60 @@ def smoothed_points(
         raise WrongInput(f"{angles.size} different places of a lobe; at least {DEGREE + 1} are needed", key=key)
     closed = np.append(angles, angles[0] + period), np.append(radii, radii[0])
 
+    each, shows_scatter = angles.size // MANY_PLACES, angles.size >= SCATTERED_FROM
+
     def missed(spline: BSpline) -> Array:
         return np.abs(spline(folded, extrapolate="periodic") - radius_mm)
 
-    each = angles.size // MANY_PLACES
-    # Of many places, the means of a few neighbours show the curve; all places are judged.
-    for few in (_means(*closed, each, period), closed) if each > 1 else (closed,):
-        sum_ = len(few[0]) * tolerance_mm**2
-        for halving in range(SMOOTHINGS):
-            smoothing = sum_ / 2.0**halving
-            knots_and_more, _, fault, _ = splrep(*few, k=DEGREE, s=smoothing, per=True, full_output=1, quiet=1)
-            spline = BSpline(*knots_and_more)
-            if fault > 0 or (few is not closed and len(spline.t) > len(few[0]) // 2):
-                break
-            if np.max(missed(spline)) <= tolerance_mm:
-                return _periodic(spline, period, repeats), float(np.max(missed(spline)))
-    spline = make_interp_spline(*closed, k=DEGREE, bc_type="periodic")
+    def within(tolerance_mm: float) -> tuple[BSpline, bool]:
+        """The spline within a tolerance, or the smoothest one from which points only scatter, and whether they do."""
+        # Of many places, the means of a few neighbours show the curve; all places are judged.
+        for few in (_means(*closed, each, period), closed) if each > 1 else (closed,):
+            sum_ = len(few[0]) * tolerance_mm**2
+            # Many points may scatter by far more than the tolerance: the smoothest curves, which are fast, show it.
+            doublings = ceil(log2(max(float(np.var(few[1])) / tolerance_mm**2, 1.0))) if shows_scatter else 0
+            for halving in range(-doublings, SMOOTHINGS):
+                smoothing = sum_ / 2.0**halving
+                knots_and_more, _, fault, _ = splrep(*few, k=DEGREE, s=smoothing, per=True, full_output=1, quiet=1)
+                spline = BSpline(*knots_and_more)
+                if fault > 0 or (few is not closed and len(spline.t) > len(few[0]) // 2):
+                    break
+                if halving >= 0 and np.max(missed(spline)) <= tolerance_mm:
+                    return spline, False
+                # At a corner a few points miss the curve by more than the others.
+                noise = shows_scatter and _are_noise(spline(few[0]) - few[1])
+                if noise and np.median(missed(spline)) > COMMON * tolerance_mm:
+                    return spline, True
+        return make_interp_spline(*closed, k=DEGREE, bc_type="periodic"), False
+
+    spline, scattered = within(tolerance_mm)
     worst = int(np.argmax(missed(spline)))
-    if missed(spline)[worst] > tolerance_mm:
+    missed_mm = float(missed(spline)[worst])
+    at = f"the point at {in_words(float(angle_rad[worst]))}, {radius_mm[worst]:.6g} mm"
+    if scattered:
+        kept_mm = float(shown_above(missed_mm, 3))
+        while within(kept_mm)[1]:
+            kept_mm = float(shown_above(WIDER * kept_mm, 3))
         raise NoSuchMechanism(
-            f"{repeats} equal lobes miss the point at {in_words(float(angle_rad[worst]))}, {radius_mm[worst]:.6g} mm, "
-            f"by {missed(spline)[worst]:.3g} mm, over the tolerance of {tolerance_mm:g} mm; give gears.lobes that the "
-            "points have, or a wider tolerance_mm",
+            f"the points scatter about {'a smooth curve' if repeats == 1 else f'{repeats} equal lobes'}, {at}, by "
+            f"{missed_mm:.3g} mm, over the tolerance of {tolerance_mm:g} mm; tolerance_mm: {kept_mm:g} or more"
+            f"{'' if repeats == 1 else ', or gears.lobes that the points have,'} is right",
             key=key,
         )
-    return _periodic(spline, period, repeats), float(missed(spline)[worst])
+    if missed_mm > tolerance_mm:
+        raise NoSuchMechanism(
+            f"{repeats} equal lobes miss {at}, by {missed_mm:.3g} mm, over the tolerance of {tolerance_mm:g} mm; give "
+            "gears.lobes that the points have, or a wider tolerance_mm",
+            key=key,
+        )
+    return _periodic(spline, period, repeats), missed_mm
+
+
+def _are_noise(deviations: Array) -> bool:
+    """Whether the deviations of points along a curve (shape (n,)) are noise, by the ratio of J. von Neumann (Annals of
+    Mathematical Statistics 12, 1941): mean square of the steps from one to the next, by their own mean square.
+    """
+    return float(np.sum(np.diff(deviations) ** 2)) > WHITE * float(np.sum(deviations**2))
 
 
 def _means(angles: Array, radii: Array, each: int, period: float) -> tuple[Array, Array]:
