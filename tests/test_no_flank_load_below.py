@@ -119,7 +119,7 @@ def test_the_own_machine_is_that_of_the_laws() -> None:
 @pytest.mark.slow
 @pytest.mark.long
 def test_limits_that_are_raised_end_a_few_percent_under_the_laws() -> None:
-    """Of the least power, with a flywheel from none on, and of the flank load under a little more and a third more power.
+    """Of the least power, with a flywheel from none on, and of the flank load with 0.3 and 31 % more power.
 
     At the least power itself 0.3 % more power halve the flank load.  The laws' figures are by formulas of their own.
     """
