@@ -12,10 +12,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from at_once import at_once
 from drives import DESIGNS, loaded
 from ncgear.design.keys.choices import Choices
 from ncgear.design.reading.design_file import LoadedDesign, parsed
-from ncgear.figures.advice.values import Kind
+from ncgear.figures.advice.values import Advice, Kind, Remedy, Search
 from ncgear.figures.advice.verdict import State
 from ncgear.numerics.jet import Jet
 from ncgear.optimum.certified.demands import Demands
@@ -380,6 +381,27 @@ def test_caps_of_the_power() -> None:
     assert np.diff(np.log([*found, 20.0])) == pytest.approx(log(20.0 / 10.03) / CAPS)
     assert caps(10.0, 10.1) == []
     assert caps(10.0, 20.0, 25.0, 15.0, 10.02, 12.0, 20.0) == [12.0, 15.0]
+
+
+@at_once(
+    ("remedies", "then"),
+    [
+        ((Remedy("more teeth", search=Search.FINER),), gears.Accepted.WITH_MORE_TEETH),
+        ((Remedy("less load"), Remedy("a larger module", search=Search.LARGER)), gears.Accepted.NO),
+        ((), gears.Accepted.NO),
+    ],
+)
+def test_more_teeth_are_tried_where_the_verdict_names_them(
+    remedies: tuple[Remedy, ...], then: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    making = gears._Making(loaded("pusher"), gears.GearJob(found_law(5000.0), None, ("hobbed",)), "hobbed")
+    advice = Advice(Kind.SHORTENED, "shortened tips", "less contact", remedies, brief="two tips")
+    row = SimpleNamespace(kind=Kind.SHORTENED, state=State.BROKEN, advices=(advice,))
+    monkeypatch.setattr(gears, "judged", lambda drive, known, seconds: SimpleNamespace(rows=(row,)))
+    assert making.is_clean(Sized({}, None, None)) is then  # type: ignore[arg-type]
+    assert making.why == (f"{Kind.SHORTENED}: two tips",)
+    monkeypatch.setattr(gears, "judged", lambda drive, known, seconds: SimpleNamespace(rows=()))
+    assert making.is_clean(Sized({}, None, None)) is gears.Accepted.YES  # type: ignore[arg-type]
 
 
 def test_faces_are_widened_until_teeth_hold(monkeypatch: pytest.MonkeyPatch) -> None:
