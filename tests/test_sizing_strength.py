@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
 from math import ceil, inf, pi, sqrt
 from pathlib import Path
 
@@ -111,17 +110,18 @@ def test_the_smallest_of_all_sizes_is_found(pretend: list[int], space_mm: float)
 
 @pytest.mark.thorough
 def test_gears_that_are_accepted_with_more_teeth_only_lead_there(pretend: list[int]) -> None:
-    """Numbers of teeth that are not enough grow by 15 % or more, up to the first that is."""
-    seen = list[int]()
+    """After too few teeth of a module, 15 % more at least are tried of this and smaller modules."""
+    seen = list[Sized]()
 
     def accepted(one: Sized) -> Accepted:
-        seen.append(one.teeth)
+        seen.append(one)
         return Accepted.YES if one.teeth >= 70 else Accepted.WITH_MORE_TEETH
 
-    found = smallest_accepted(drive_of_text(TEXT), GearRoom(), accepted, 12, lambda done, most: None)
-    few = [teeth for teeth in seen if teeth < 70]
+    found = smallest_accepted(drive_of_text(TEXT), GearRoom(), accepted, 30, lambda done, most: None)
+    few = [one for one in seen if one.teeth < 70]
     assert few
-    assert all(after >= 1.15 * before for before, after in pairwise(few))
+    for number, one in enumerate(few):
+        assert all(one.teeth >= 1.15 * before.teeth or one.module_mm > before.module_mm for before in few[:number])
     assert found is not None
     assert 70 <= found.teeth < 70 * 1.15 * 1.06
     assert smallest_accepted(found.drive, GearRoom(), lambda one: Accepted.NO, 4, lambda done, most: None) is None

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from difflib import get_close_matches
 from enum import Enum, auto
 from math import ceil, inf, log
@@ -274,7 +274,8 @@ def smallest_accepted(
 ) -> Sized | None:
     """The smallest gears that hold and are accepted, among a number that is computed; None where there are none.
 
-    Where gears have too few teeth, those with fewer than ``FINER_BY`` times as many are not tried any more.
+    Where gears have too few teeth, no gears of the same or a smaller module with less than ``FINER_BY`` times as many
+    teeth are tried any more.
 
     Sizes are tried in the order of the volume that all computed gears suggest, until no other size is guessed to need
     less than the smallest found.  Raises as ``rating_of`` does for the design as given where no larger module can be
@@ -361,8 +362,14 @@ class _Search:
         """The smallest gears of any module and number of teeth that hold and are accepted."""
         found: Sized | None = None
         tried: set[tuple[int, float]] = set()
+        coarse: list[Sized] = []
         while self.trials < self.most_computed:
-            sizes = [(teeth, module) for module in self.space.modules_mm for teeth in self.teeth()]
+            sizes = [
+                (teeth, module)
+                for module in self.space.modules_mm
+                for teeth in self.teeth()
+                if all(teeth >= FINER_BY * one.teeth or module > one.module_mm for one in coarse)
+            ]
             open_ = [(self.volume(*size), size) for size in sizes if size not in tried | self.weak]
             guessed, size = min(open_, default=(inf, None))
             if size is None or guessed >= (inf if found is None else found.volume_mm3):
@@ -375,7 +382,7 @@ class _Search:
                 case Accepted.YES:
                     found = made
                 case Accepted.WITH_MORE_TEETH:
-                    self.space = replace(self.space, fewest_teeth=ceil(FINER_BY * made.teeth))
+                    coarse.append(made)
                 case Accepted.NO:
                     pass
         return found
