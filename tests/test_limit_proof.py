@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
-from math import inf, pi, sin, tan
+from math import inf, pi, radians, sin, tan
 
 import mpmath as mp
 import numpy as np
@@ -62,11 +62,11 @@ class Turning:
         bend = s * (second + first**2)
         return 1.0 + s + bend, 1.0 + s - s * bend + (s * first) ** 2
 
-    def mean_times(self, on: CrankCycle) -> Array:
-        """The mean of 1/s in each cell, by Gauss-Legendre points."""
+    def mean(self, on: CrankCycle, of: Callable[[Array], Array] = lambda i: i) -> Array:
+        """The mean of a function of i = 1/s in each cell, by Gauss-Legendre points."""
         unit, weight = np.polynomial.legendre.leggauss(16)
         inner = on.crank_angle_rad[:, None] + on.step_rad[:, None] * (1.0 + unit) / 2.0
-        mean: Array = (1.0 / self.s(inner)) @ weight / 2.0
+        mean: Array = of(1.0 / self.s(inner)) @ weight / 2.0
         return mean
 
 
@@ -151,7 +151,7 @@ def broken(task: Task, law: Turning, asked: Demands, places: int, ranges: bool) 
     made = motion_programme(task, on, asked, true_ranges(on, law) if ranges else None)
     s = law.s(on.crank_angle_rad)
     given = Demands.acceleration_mm_s2 if asked.acceleration_mm_s2 == inf else asked.acceleration_mm_s2
-    values = filled(made.programme, [(made.q, s**2), (made.turning, s), (made.time, law.mean_times(on))])
+    values = filled(made.programme, [(made.q, s**2), (made.turning, s), (made.time, law.mean(on))])
     values[made.acceleration.columns[0]] = given / made.acceleration_unit_mm_s2
     if asked.convex:
         # Of the variables only the geometric means of both neighbours are left, and ln q
@@ -229,16 +229,19 @@ def test_a_convex_law_keeps_every_relation(seed: int, ranges: bool) -> None:
 
 
 SLIDER_KG = 80.0
+FLYWHEEL_KG_MM2 = 3e6
+RACK_RAD = radians(20.0)
 
 
 @dataclass(frozen=True)
 class Felt:
-    """Figures of a law with a slider mass, from dense samples by the crank's angle, and the energy given up to each."""
+    """Figures of a law with a slider mass and a flywheel, from dense samples, and the energy given up to each."""
 
     power_w: float
     braking_w: float
     torque_n_mm: float
     fluctuation_n_mm: float
+    flank_load_n_mm: float
     angle_rad: Array
     energy_n_mm: Array
 
@@ -250,9 +253,13 @@ def with_mass(task: Task, law: Turning) -> Felt:
     position = np.clip(position, 0.0, task.linkage.stroke_mm)
     force = task.load.against_n(position, angle > task.linkage.working_angle_rad)
     force = force * np.sign(slope) + SLIDER_KG * (bend + slope * first) * s**2 * speed**2 / 1000.0
-    torque = force * slope * s
+    on_crank = force * slope + FLYWHEEL_KG_MM2 * s**2 * first * speed**2 / 1000.0
+    torque = on_crank * s
+    # Each flank's normal leans by the rack's angle to its own side of the pitch curves' tangent
+    lean = np.arctan(s * first / (1.0 + s)) * np.sign(on_crank)
+    flanks = np.abs(on_crank) * (1.0 + s) ** 3 / s * np.cos(lean) / np.cos(RACK_RAD - lean)
     turned = cumulative_trapezoid(1.0 / s, angle, initial=0.0)
-    energy = cumulative_trapezoid(force * slope, angle, initial=0.0)
+    energy = cumulative_trapezoid(on_crank, angle, initial=0.0)
     swing = energy - energy[-1] * turned / turned[-1]
     power = torque * speed / 1000.0
     return Felt(
@@ -260,6 +267,7 @@ def with_mass(task: Task, law: Turning) -> Felt:
         float((-power).max()) * BETWEEN,
         float(np.sqrt(np.trapezoid(torque**2 / s, angle) / (2.0 * pi))) * BETWEEN,
         float(np.ptp(swing)) * BETWEEN,
+        float(flanks.max()) * BETWEEN,
         angle,
         energy,
     )
@@ -276,11 +284,12 @@ def broken_with_mass(seed: int, named: dict[str, float], tighter: float = 1.0, s
     on = cycle(task, (60, 97, 180)[seed % 3])
     exact = {name: tighter * getattr(felt, name) for name in named}
     priced = [Priced(name, 0.6 * exact[name], share * exact[name]) for name, share in named.items()]
-    asked = replace(exact_demands(task, law), power_w=inf)
+    flywheel = 0.4 * FLYWHEEL_KG_MM2, 1.9 * FLYWHEEL_KG_MM2
+    asked = replace(exact_demands(task, law), power_w=inf, rack_angle_rad=RACK_RAD, flywheel_kg_mm2=flywheel)
     if steeper:
         asked = replace(asked, convex=False, steepness=steeper * asked.steepness, acceleration_mm_s2=inf)
     made = motion_programme(task, on, asked, true_ranges(on, law), priced=priced)
-    s, time = law.s(on.crank_angle_rad), law.mean_times(on)
+    s, time = law.s(on.crank_angle_rad), law.mean(on)
     values = filled(made.programme, [(made.q, s**2), (made.turning, s), (made.time, time)])
     if not steeper:
         values[made.acceleration.columns[0]] = asked.acceleration_mm_s2 / made.acceleration_unit_mm_s2
@@ -289,6 +298,9 @@ def broken_with_mass(seed: int, named: dict[str, float], tighter: float = 1.0, s
     rest = [block for block in variables_left(made.programme, values) if block.size == on.count]
     if not steeper:
         values[rest.pop(0)], values[rest.pop(0)] = np.roll(s, 1) * np.roll(s, -1), 2.0 * np.log(s)
+    # The flywheel is 0.4 of its range, and so is its product with q
+    values[made.given.columns[-1, 0] - 1] = 0.4
+    values[rest.pop(0)] = 0.4 * s**2
     ends = np.append(on.crank_angle_rad, 2.0 * pi)
     given, most = np.diff(np.interp(ends, felt.angle_rad, felt.energy_n_mm)), {one.name: one.most for one in priced}
     if "torque_n_mm" in named:
@@ -297,13 +309,17 @@ def broken_with_mass(seed: int, named: dict[str, float], tighter: float = 1.0, s
         level = np.cumsum(given - time * on.step_rad * given.sum() / (2.0 * pi))
         level = np.append(0.0, level[:-1]) / (most["fluctuation_n_mm"] + abs(given.sum()))
         values[rest.pop(0)] = level
+    if "flank_load_n_mm" in named:
+        values[rest.pop(0)] = law.mean(on, lambda i: i**2 / (1.0 + i) ** 3)
+        values[rest.pop(0)] = (1.0 / (1.0 + s) - 1.5) / (3.0 * (1.0 + s) ** 2)
+    if "fluctuation_n_mm" in named:
         values[np.isnan(values)] = level.max()
     assert not rest
     assert not np.any(np.isnan(values))
     return worst(made.programme, values)
 
 
-FIGURES = {"power_w": 1.3, "braking_w": 1.2, "torque_n_mm": 1.1, "fluctuation_n_mm": 1.5}
+FIGURES = {"power_w": 1.3, "braking_w": 1.2, "torque_n_mm": 1.1, "fluctuation_n_mm": 1.5, "flank_load_n_mm": 1.4}
 
 SAMPLED = 1e-6
 """Energies by trapezes of 1.6e-4 rad, over the size of the terms of a row."""

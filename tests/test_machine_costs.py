@@ -12,14 +12,17 @@ from typing import Any
 import numpy as np
 import pytest
 
+from at_once import at_once
 from drives import DESIGNS, loaded
 from ncgear.design.keys.choices import Choices
 from ncgear.design.reading.design_file import LoadedDesign, parsed
-from ncgear.figures.advice.values import Kind
+from ncgear.figures.advice.values import Advice, Kind, Remedy, RemedySearch
 from ncgear.figures.advice.verdict import State
 from ncgear.numerics.jet import Jet
-from ncgear.optimum.certified.limit import Bound
+from ncgear.optimum.certified.demands import Demands
+from ncgear.optimum.certified.limit import Bound, Motion
 from ncgear.optimum.certified.sweeps import Sweeps
+from ncgear.optimum.certified.tree import Budget
 from ncgear.optimum.task import Figures, figures
 from ncgear.project.law_task import inertia_as_given, task_of
 from ncgear.project.sizing import Sized
@@ -37,6 +40,7 @@ from ncgear.whole_machines.laws import (
     law_wishes,
 )
 from ncgear.whole_machines.machine import (
+    KEPT,
     MachineFigures,
     Unfit,
     WholeMachine,
@@ -222,7 +226,7 @@ def test_no_machine_is_under_the_least_cost(monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setattr(limits, "Sweeps", partial(Sweeps, cells=24))
     design = read().design.model_copy(update={"choices": CHOICES})
     some = [machine(cost=cost, gear_volume_mm3=400.0 * load, flank_load_n_mm=load) for cost, load in LOADS]
-    of = limits.MachineLimits(design, some, [found_law(5000.0, peak_power_w=40.0)])
+    of = limits.MachineLimits(design, some, [found_law(5000.0, peak_power_w=40.0)], processes=1)
     power = np.linspace(10.0, 80.0, 20_001)
     volume = 400.0 / 1.25**2 * of_power(power)
     cost = (2.0 + 3.0 / SPEED) * power + 10.0 * volume / 1e6 * 1.5 + 5.0
@@ -236,13 +240,23 @@ def test_no_machine_is_under_the_least_cost(monkeypatch: pytest.MonkeyPatch) -> 
 
     def least(sweeps: Any, power: Any, flywheel: Any, most: Any, share: float = 0.0) -> Any:
         powers.append(power)
-        return 0.8 * most
+        return np.resize([0.8, 0.99], most.size) * most
+
+    def raised(task: Any, asked: Demands, prices: Any, law: Any, motion: Motion, budget: Budget) -> tuple[float, None]:
+        powers.append([asked.power_w])
+        assert prices == {"flank_load_n_mm": 1.0}
+        assert motion.turning.min() > 0.0
+        return 0.9 * law["flank_load_n_mm"], None
 
     monkeypatch.setattr(limits, "least_flank_load", least)
+    monkeypatch.setattr(limits, "raised", raised)
     found = of.found()
     assert powers[0] == pytest.approx([one.figures.peak_power_w for one in some], rel=1e-5)
     assert (found.power_w, found.power_gap) == (16.0, pytest.approx(0.25))
-    assert [one.flank_load_gap for one in found.each] == pytest.approx([0.25, 0.25], rel=1e-5)
+    # Only the limit that is far from its machine is raised, under the power of this machine
+    assert powers[1] == [powers[0][0]]
+    gaps = [1.0 / (share * (1.0 + KEPT)) - 1.0 for share in (0.9, 0.99)]
+    assert [one.flank_load_gap for one in found.each] == pytest.approx(gaps, rel=1e-9)
     assert found.cost is not None
     assert found.cost_gap == pytest.approx(210.0 / found.cost - 1.0)
 
@@ -252,8 +266,15 @@ def test_the_flywheel_s_range_in_parts_with_the_gears_inertia(monkeypatch: pytes
     design = read(WITH_FLYWHEEL).design
     monkeypatch.setattr(limits, "Sweeps", partial(Sweeps, cells=24))
     some = [machine(PUSHER + WITH_FLYWHEEL, driven_flywheel_kg_mm2=2000.0)]
-    of = limits.MachineLimits(design, some, [])
+    of = limits.MachineLimits(design, some, [], processes=1)
     taken = list[np.ndarray]()
+    boxes = list[Any]()
+
+    def raised(task: Any, asked: Demands, prices: Any, law: Any, motion: Any, budget: Budget) -> tuple[float, None]:
+        boxes.append((*asked.flywheel_kg_mm2, budget.most))
+        return (2.0 if asked.flywheel_kg_mm2[0] > 1500.0 else 1.5) * mean, None
+
+    monkeypatch.setattr(limits, "raised", lambda *given: (0.0, None))
     monkeypatch.setattr(
         limits, "swept_power", lambda sweeps, parts, most: taken.append(parts) or np.full(parts.shape[1], 0.1)
     )
@@ -261,6 +282,10 @@ def test_the_flywheel_s_range_in_parts_with_the_gears_inertia(monkeypatch: pytes
     assert of.power_w() == pytest.approx(mean, rel=1e-9)
     assert taken[0][0] == pytest.approx(np.arange(1000.0, 9000.0, 1000.0))
     assert taken[0][1] == pytest.approx(np.arange(2000.0, 9001.0, 1000.0))
+    # Branch and bound raises the limits of all parts that are far from the machine, and the least one counts
+    monkeypatch.setattr(limits, "raised", raised)
+    assert of.power_w() == pytest.approx(1.5 * mean, rel=1e-9)
+    assert boxes == [(low, low + 1000.0, limits.PROGRAMMES // 8) for low in np.arange(1000.0, 9000.0, 1000.0)]
     # Where they tell more, the least of all parts.
     monkeypatch.setattr(limits, "swept_power", lambda sweeps, parts, most: mean * (2.0 + (np.arange(8.0) - 3.0) ** 2))
     assert of.power_w() == pytest.approx(2.0 * mean, rel=1e-9)
@@ -356,6 +381,27 @@ def test_caps_of_the_power() -> None:
     assert np.diff(np.log([*found, 20.0])) == pytest.approx(log(20.0 / 10.03) / CAPS)
     assert caps(10.0, 10.1) == []
     assert caps(10.0, 20.0, 25.0, 15.0, 10.02, 12.0, 20.0) == [12.0, 15.0]
+
+
+@at_once(
+    ("remedies", "then"),
+    [
+        ((Remedy("more teeth", search=RemedySearch.FINER),), gears.Accepted.WITH_MORE_TEETH),
+        ((Remedy("less load"), Remedy("a larger module", search=RemedySearch.LARGER)), gears.Accepted.NO),
+        ((), gears.Accepted.NO),
+    ],
+)
+def test_more_teeth_are_tried_where_the_verdict_names_them(
+    remedies: tuple[Remedy, ...], then: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    making = gears._Making(loaded("pusher"), gears.GearJob(found_law(5000.0), None, ("hobbed",)), "hobbed")
+    advice = Advice(Kind.SHORTENED, "shortened tips", "less contact", remedies, brief="two tips")
+    row = SimpleNamespace(kind=Kind.SHORTENED, state=State.BROKEN, advices=(advice,))
+    monkeypatch.setattr(gears, "judged", lambda drive, known, seconds: SimpleNamespace(rows=(row,)))
+    assert making.is_clean(Sized({}, None, None)) is then  # type: ignore[arg-type]
+    assert making.why == (f"{Kind.SHORTENED}: two tips",)
+    monkeypatch.setattr(gears, "judged", lambda drive, known, seconds: SimpleNamespace(rows=()))
+    assert making.is_clean(Sized({}, None, None)) is gears.Accepted.YES  # type: ignore[arg-type]
 
 
 def test_faces_are_widened_until_teeth_hold(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,22 +7,23 @@ scipy looks for harmonics of the ratio under the same cap of the power and of th
 from __future__ import annotations
 
 from functools import cache
-from math import cos, pi, radians, sin, tan
+from math import cos, inf, pi, radians, sin, tan
 from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 from scipy.optimize import differential_evolution
 
 from ncgear.design.keys.design import Design
 from ncgear.design.reading.design_file import parsed
 from ncgear.optimum.certified.sweeps import Sweeps, least_flank_load
-from ncgear.optimum.makeable.demanded import demands_of
 from ncgear.optimum.task import figures
 from ncgear.project.law_task import inertia_as_given, task_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import single
-from ncgear.whole_machines.laws import FoundLaw, LawJob, law_design, law_wishes, laws_of
+from ncgear.whole_machines.laws import FoundLaw, LawJob, law_design, laws_of
+from ncgear.whole_machines.limits import RaiseJob, raised_limit, without_flywheel
 
 CRANK, ROD, RPM, MASS, STEEPEST_DEG = 45.0, 170.0, 55.0, 4.0, 60.0
 
@@ -71,14 +72,27 @@ class OwnMachine:
         self.force = np.where(phi < pi, 150.0 + 2.0 * place, 0.0)
         self.speed = RPM * pi / 30.0
 
-    def figures(self, harmonics: np.ndarray) -> tuple[float, float, float]:
-        """Flank load in N mm, peak power in W and tangent of the pitch curves, of harmonics of ln s."""
+    def turning(self, harmonics: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """s, and the slope of ln s, of harmonics of ln s."""
         order = np.arange(1, HARMONICS + 1)[:, None]
         cosines, sines = np.cos(order * self.phi), np.sin(order * self.phi)
         a, b = harmonics[:HARMONICS, None], harmonics[HARMONICS:, None]
         log = (a * cosines + b * sines).sum(axis=0)
-        slope = (order * (b * cosines - a * sines)).sum(axis=0)
-        s = np.exp(log) * np.mean(np.exp(-log))
+        return np.exp(log) * np.mean(np.exp(-log)), (order * (b * cosines - a * sines)).sum(axis=0)
+
+    def of_law(self, law: FoundLaw) -> tuple[float, float, float]:
+        """The figures of a law, by scipy's spline through its ratios at even angles of the crank."""
+        log_ratio = CubicSpline(
+            np.linspace(0.0, 2.0 * pi, len(law.ratio) + 1), np.log([*law.ratio, law.ratio[0]]), bc_type="periodic"
+        )
+        return self.of_motion(np.exp(-log_ratio(self.phi)), -log_ratio(self.phi, 1))
+
+    def figures(self, harmonics: np.ndarray) -> tuple[float, float, float]:
+        """The figures of harmonics of ln s."""
+        return self.of_motion(*self.turning(harmonics))
+
+    def of_motion(self, s: np.ndarray, slope: np.ndarray) -> tuple[float, float, float]:
+        """Flank load in N mm, peak power in W and tangent of the pitch curves, from s and the slope of ln s."""
         q, rate = s**2, 2.0 * slope * s**2
         acceleration = self.speed**2 * (self.second * q + self.first * rate / 2.0)
         torque = self.first * (self.force + MASS * acceleration / 1000.0)
@@ -101,6 +115,24 @@ def test_the_own_machine_is_that_of_the_laws() -> None:
     assert tangent == 0.0
 
 
+@pytest.mark.judges("whole_machines", "optimum")
+@pytest.mark.slow
+@pytest.mark.long
+def test_limits_that_are_raised_end_a_few_percent_under_the_laws() -> None:
+    """Of the least power, with a flywheel from none on, and of the flank load with 0.3 and 31 % more power.
+
+    At the least power itself 0.3 % more power halve the flank load.  The laws' figures are by formulas of their own.
+    """
+    own, found = OwnMachine(), sorted(laws(), key=lambda one: one.found.peak_power_w)
+    cases = ("power_w", 0, 0.97, 50.0), ("flank_load_n_mm", 1, 0.8, 0.0), ("flank_load_n_mm", 2, 0.93, 0.0)
+    for figure, place, share, most in cases:
+        law = found[place]
+        load, power, _ = own.of_law(law)
+        has, cap = (load, power * (1.0 + 1e-4)) if figure == "flank_load_n_mm" else (power, inf)
+        limit = raised_limit(design(), RaiseJob(0, figure, has, cap, (0.0, most), law.motion, 400))
+        assert share * has < limit <= has * (1.0 + 1e-4)
+
+
 @pytest.mark.judges("whole_machines")
 @pytest.mark.slow
 @pytest.mark.long
@@ -118,12 +150,12 @@ def test_differential_evolution_finds_nothing_better(place: int) -> None:
     found = differential_evolution(
         cost, list(zip(-0.6 * size, 0.6 * size, strict=True)), maxiter=500, popsize=12, tol=1e-8, seed=43, polish=False
     )
-    made = law_design(design())
-    task = task_of(made, inertia_as_given(made))
-    sweeps = Sweeps(task, demands_of(task, law_wishes(made, None)))
     load = np.array([law.flank_load_n_mm])
-    bound = least_flank_load(sweeps, np.array([cap * (1.0 + 1e-6)]), np.zeros((2, 1)), load)[0]
-    print(f"{cap:.4g} W: law {load[0]:.6g}, evolution {found.fun:.6g}, limit {bound:.6g} N mm")
-    assert 0.0 < bound <= load[0]
-    assert bound <= found.fun
+    capped = cap * (1.0 + 1e-6)
+    swept = least_flank_load(Sweeps(*without_flywheel(design())), np.array([capped]), np.zeros((2, 1)), load)[0]
+    raised = raised_limit(design(), RaiseJob(0, "flank_load_n_mm", load[0], capped, (0.0, 0.0), law.motion, 300))
+    print(f"{cap:.4g} W: law {load[0]:.6g}, evolution {found.fun:.6g}, limits {swept:.6g}, {raised:.6g} N mm")
+    for bound in (swept, raised):
+        assert 0.0 < bound <= load[0]
+        assert bound <= found.fun
     assert load[0] <= 1.01 * found.fun

@@ -20,7 +20,15 @@ from ncgear.figures.sized import parts_that_fail
 from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import Changes, changed_drive, changed_gears
 from ncgear.project.drive import Drive
-from ncgear.project.sizing import GearRoom, Sized, asked_design, in_herringbone, smallest_gears
+from ncgear.project.sizing import (
+    Accepted,
+    GearRoom,
+    Sized,
+    asked_design,
+    in_herringbone,
+    smallest_accepted,
+    smallest_gears,
+)
 from ncgear.project.strengthening import CROWNING, SERIES_I_MM, Rating, helical_enough, largest_thrust_n, rating_of
 from ncgear.strength.answer import Strength
 from ncgear.strength.holding import Damage, Weakest, face_width_factor, module_factor
@@ -103,6 +111,25 @@ def test_the_smallest_of_all_sizes_is_found(pretend: list[int], space_mm: float)
         assert one.module_mm in SERIES_I_MM
         assert 5.0 <= one.face_width_mm / one.module_mm <= 12.0
     assert [one.volume_mm3 for one in found] == sorted(one.volume_mm3 for one in found)
+
+
+@pytest.mark.thorough
+def test_gears_that_are_accepted_with_more_teeth_only_lead_there(pretend: list[int]) -> None:
+    """After too few teeth of a module, 15 % more at least are tried of this and smaller modules."""
+    seen = list[Sized]()
+
+    def accepted(one: Sized) -> Accepted:
+        seen.append(one)
+        return Accepted.YES if one.teeth >= 70 else Accepted.WITH_MORE_TEETH
+
+    found = smallest_accepted(drive_of_text(TEXT), GearRoom(), accepted, 30, lambda done, most: None)
+    few = [one for one in seen if one.teeth < 70]
+    assert few
+    for number, one in enumerate(few):
+        assert all(one.teeth >= 1.15 * before.teeth or one.module_mm > before.module_mm for before in few[:number])
+    assert found is not None
+    assert 70 <= found.teeth < 70 * 1.15 * 1.06
+    assert smallest_accepted(found.drive, GearRoom(), lambda one: Accepted.NO, 4, lambda done, most: None) is None
 
 
 def test_flanks_that_wear_away_do_not_hold(pretend: list[int], monkeypatch: pytest.MonkeyPatch) -> None:

@@ -205,6 +205,37 @@ def test_no_motor_that_is_too_weak_is_taken() -> None:
     assert isinstance(judged_machine(text, "printed", Choices()), Unfit)
 
 
+@pytest.mark.judges("whole_machines")
+@pytest.mark.slow
+def test_four_commands_tell_the_figures_of_a_machine_from_its_file_alone(run: Run) -> None:
+    """Check, strength, simulate and tolerance compute them each by its own way through the program."""
+    file = str(DESIGNS / "baler-flywheel.yaml")
+    check = json.loads(run("check", file, "--json")[1])["check"]
+    strength, simulated, tolerance = (
+        json.loads(run(command, file, "--json", "--out", command)[1])
+        for command in ("strength", "simulate", "tolerance")
+    )
+    moved, found = simulated["this_design"], shipped().figures
+
+    def share(damage: str) -> float:
+        gears = (strength[gear] for gear in ("driving", "driven"))
+        return min(
+            one[f"{damage}_endured_mpa"] / one[f"{damage}_stress_mpa"] / one[f"{damage}_safety_wanted"] for one in gears
+        )
+
+    told = [
+        (check["peak_power_w"], found.peak_power_w),
+        (moved["peak_power_w"], found.peak_power_w),
+        (moved["peak_driving_torque_n_m"], found.peak_torque_n_m),
+        (moved["braking_power_w"], found.braking_power_w),
+        (tolerance["figures"]["peak_acceleration_mm_s2"]["as_designed"], found.peak_acceleration),
+        (share("bending"), found.bending_share),
+        (share("contact"), found.contact_share),
+    ]
+    for one, other in told:
+        assert one == pytest.approx(other, rel=1e-6, abs=1e-9)
+
+
 # The command
 
 

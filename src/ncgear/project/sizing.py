@@ -16,6 +16,7 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from difflib import get_close_matches
+from enum import Enum, auto
 from math import ceil, inf, log
 
 import numpy as np
@@ -84,6 +85,9 @@ FEWEST_TEETH = 12
 FINENESS = 1.06
 """Ratio of the numbers of teeth that follow each other: 6 % of the size is less than a step of the modules."""
 
+FINER_BY = 1.15
+"""Ratio by which numbers of teeth grow where gears with too few are not accepted: each try takes a second."""
+
 NARROWEST_MODULES = 5.0
 """Least face width in modules: narrower gears tilt on their shafts."""
 
@@ -102,6 +106,14 @@ class GearRoom:
     least_width_modules: float = NARROWEST_MODULES
     modules_mm: tuple[float, ...] = SERIES_I_MM
     fewest_teeth: int = FEWEST_TEETH
+
+
+class Accepted(Enum):
+    """Whether gears are accepted, or may be accepted with more teeth of a smaller module."""
+
+    YES = auto()
+    NO = auto()
+    WITH_MORE_TEETH = auto()
 
 
 @dataclass(frozen=True, eq=False)
@@ -264,9 +276,12 @@ def _roughly(drive: Drive) -> float:
 
 
 def smallest_accepted(
-    drive: Drive, space: GearRoom, accepted: Callable[[Sized], bool], most_computed: int, on_trial: OnTrial
+    drive: Drive, space: GearRoom, accepted: Callable[[Sized], Accepted], most_computed: int, on_trial: OnTrial
 ) -> Sized | None:
     """The smallest gears that hold and are accepted, among a number that is computed; None where there are none.
+
+    Where gears have too few teeth, no gears of the same or a smaller module with less than ``FINER_BY`` times as many
+    teeth are tried any more.
 
     Sizes are tried in the order of the volume that all computed gears suggest, until no other size is guessed to need
     less than the smallest found.  Raises as ``rating_of`` does for the design as given where no larger module can be
@@ -345,21 +360,33 @@ class _Search:
         counts = {max(round(step / lobes), 1) * lobes for step in steps} | {self.computed[0].teeth}
         return sorted(count for count in counts if fewest <= count <= MOST_TEETH and count not in self.refused)
 
-    def smallest_of_all(self, accepted: Callable[[Sized], bool]) -> Sized | None:
+    def smallest_of_all(self, accepted: Callable[[Sized], Accepted]) -> Sized | None:
         """The smallest gears of any module and number of teeth that hold and are accepted."""
         found: Sized | None = None
         tried: set[tuple[int, float]] = set()
+        coarse: list[Sized] = []
         while self.trials < self.most_computed:
-            sizes = [(teeth, module) for module in self.space.modules_mm for teeth in self.teeth()]
+            sizes = [
+                (teeth, module)
+                for module in self.space.modules_mm
+                for teeth in self.teeth()
+                if all(teeth >= FINER_BY * one.teeth or module > one.module_mm for one in coarse)
+            ]
             open_ = [(self.volume(*size), size) for size in sizes if size not in tried | self.weak]
             guessed, size = min(open_, default=(inf, None))
             if size is None or guessed >= (inf if found is None else found.volume_mm3):
                 break
             tried.add(size)
             made = self.widened(*size)
-            smaller = made is not None and (found is None or made.volume_mm3 < found.volume_mm3)
-            if made is not None and smaller and accepted(made):
-                found = made
+            if made is None or (found is not None and made.volume_mm3 >= found.volume_mm3):
+                continue
+            match accepted(made):
+                case Accepted.YES:
+                    found = made
+                case Accepted.WITH_MORE_TEETH:
+                    coarse.append(made)
+                case Accepted.NO:
+                    pass
         return found
 
     def smallest(self, module_mm: float) -> Sized | None:

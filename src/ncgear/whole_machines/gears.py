@@ -18,11 +18,12 @@ from ncgear.design.reading.design_file import LoadedDesign, parsed
 from ncgear.design.reading.text import whole
 from ncgear.design.rewritten import design_copy
 from ncgear.errors import DesignError
+from ncgear.figures.advice.values import RemedySearch
 from ncgear.figures.advice.verdict import KnownParts, judged
 from ncgear.project.alternatives import Changes, changed_drive
 from ncgear.project.drive import Drive
 from ncgear.project.law import kept_size
-from ncgear.project.sizing import FEWEST_TEETH, GearRoom, Sized, smallest_accepted, stated_inertias
+from ncgear.project.sizing import FEWEST_TEETH, Accepted, GearRoom, Sized, smallest_accepted, stated_inertias
 from ncgear.project.strengthening import SERIES_I_MM
 from ncgear.whole_machines.laws import FoundLaw, law_keys, settled_law
 from ncgear.whole_machines.machine import WEAK, Unfit, WholeMachine, broken, judged_machine
@@ -134,7 +135,7 @@ class _Making:
             return Unfit((getattr(error, "problem", str(error)),))
         return Unfit(self.why)
 
-    def is_clean(self, sized: Sized) -> bool:
+    def is_clean(self, sized: Sized) -> Accepted:
         """Whether the verdict on gears is clean, after its own remedies; the remedies are kept.
 
         Raises _Weakened where teeth do not hold with these remedies.
@@ -145,7 +146,7 @@ class _Making:
                 rows = broken(judged(drive, KnownParts.TEETH, seconds=0.0), self.process)
                 if not rows:
                     self.mended = taken
-                    return True
+                    return Accepted.YES
                 self.why = tuple(
                     f"{row.kind}: {advice.brief}" for row in rows for advice in row.advices if advice.matters
                 )
@@ -154,12 +155,13 @@ class _Making:
                 remedies = [remedy for advice in rows[0].advices for remedy in advice.remedies]
                 changes = next((made for one in remedies if (made := _of_gears(one.changes))), None)
                 if changes is None:
-                    return False
+                    finer = any(one.search is RemedySearch.FINER for one in remedies)
+                    return Accepted.WITH_MORE_TEETH if finer else Accepted.NO
                 drive = changed_drive(drive, changes)
                 taken |= changes
         except DesignError as error:
             self.why = (error.problem,)
-        return False
+        return Accepted.NO
 
     def finished(self, sized: Sized) -> WholeMachine | Unfit:
         """The machine with a law found with its own gears, widened until its teeth hold with this law."""

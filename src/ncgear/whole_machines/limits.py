@@ -3,14 +3,18 @@
 The limits are for laws: no law of the machine, with any flywheel in the range, needs less power, and no law of the same
 power has less flank load.  The face width times the centre distance squared is in proportion to the flank load, as far
 as the estimate of strength is right: it takes the load factors of the machine that was found.
+
+Sweeps give a limit for every machine in a few seconds; where one is not near its machine, branch and bound raises it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from math import inf
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,19 +23,34 @@ from ncgear.design.keys.design import Design
 from ncgear.design.reading.design_file import parsed
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.certified.limit import least_mean_power_w, least_power
+from ncgear.optimum.certified.demands import Demands
+from ncgear.optimum.certified.limit import Motion, least_mean_power_w, least_power
+from ncgear.optimum.certified.sums import raised
 from ncgear.optimum.certified.sweeps import Sweeps, least_flank_load
 from ncgear.optimum.certified.sweeps import least_power as swept_power
+from ncgear.optimum.certified.tree import Budget
 from ncgear.optimum.makeable.demanded import bound_of_stroke, demands_of
+from ncgear.optimum.task import Task
+from ncgear.project.drive import Drive
 from ncgear.project.law_task import inertia_as_given, task_of
 from ncgear.whole_machines.laws import FoundLaw, law_design, law_wishes
 from ncgear.whole_machines.machine import KEPT, WholeMachine, cost_of, guessed_figures, motor_for
+from ncgear.workers import finished
 
 FLYWHEELS = 8
 """Number of parts of the flywheel's range, each with its own limit."""
 
 POWERS = 12
 """Number of parts of the range of powers in the limit of the cost."""
+
+NEAR = 1.02
+"""Ratio of a machine's figure to its limit up to which the limit is not raised."""
+
+MOTION_PLACES = 720
+"""Places of a machine's motion: its limit only starts from it."""
+
+PROGRAMMES = 600
+"""Most programmes for raising one limit, of 0.05 s each; parts of the flywheel's range share them."""
 
 OUTSIDE = (
     "modules of a series, whole teeth and widths in whole mm",
@@ -67,18 +86,54 @@ class ProvenLimits:
     cost_gap: float | None = None
 
 
+class RaiseJob(NamedTuple):
+    """A figure by its name in ``Demands`` whose limit is raised towards a motion that reaches it.
+
+    The limit holds for all motions of at most a peak power, with any flywheel of a range in kg mm2.  ``number`` is its
+    place among the limits that are raised together.
+    """
+
+    number: int
+    figure: str
+    reached: float
+    power_w: float
+    flywheel_kg_mm2: tuple[float, float]
+    motion: Motion
+    programmes: int
+
+
+def without_flywheel(design: Design) -> tuple[Task, Demands]:
+    """The machine of a design without the flywheel on its driven shaft, and the demands on all its laws."""
+    bare = law_design(design, 0.0)
+    task = task_of(bare, inertia_as_given(bare))
+    return task, demands_of(task, law_wishes(bare, None))
+
+
+def raised_limit(design: Design, job: RaiseJob) -> float:
+    """The raised limit of a job."""
+    task, asked = without_flywheel(design)
+    asked = replace(asked, power_w=job.power_w, flywheel_kg_mm2=job.flywheel_kg_mm2)
+    return raised(task, asked, {job.figure: 1.0}, {job.figure: job.reached}, job.motion, Budget(job.programmes))[0]
+
+
 class MachineLimits:
     """The limits of one design file's machines."""
 
-    def __init__(self, design: Design, machines: Sequence[WholeMachine], laws: Sequence[FoundLaw]) -> None:
-        bare = law_design(design, 0.0)
-        inertia = inertia_as_given(bare)
-        self.design, self.machines = design, machines
-        self.task = task_of(bare, inertia)
-        self.sweeps = Sweeps(self.task, demands_of(self.task, law_wishes(bare, None)))
-        made = [inertia_as_given(parsed(one.text, Path("machine.yaml")).design) for one in machines]
-        self.own = [one.driven_kg_mm2 - inertia.driven_kg_mm2 if self.task.masses else 0.0 for one in made]
-        self.laws = laws
+    def __init__(
+        self,
+        design: Design,
+        machines: Sequence[WholeMachine],
+        laws: Sequence[FoundLaw],
+        scheduler: str | None = None,
+        processes: int | None = None,
+    ) -> None:
+        self.design, self.machines, self.laws, self.where = design, machines, laws, (scheduler, processes)
+        self.task, asked = without_flywheel(design)
+        self.sweeps = Sweeps(self.task, asked)
+        given = inertia_as_given(law_design(design, 0.0)).driven_kg_mm2
+        self.made = [parsed(one.text, Path("machine.yaml")).design for one in machines]
+        own = (inertia_as_given(one).driven_kg_mm2 - given if self.task.masses else 0.0 for one in self.made)
+        self.own = list(own)
 
     def found(self) -> ProvenLimits:
         """All limits."""
@@ -99,7 +154,26 @@ class MachineLimits:
         # With a large flywheel the bound from the work of a cycle may be higher
         of_work = bound_of_stroke("flank_load_n_mm", 1.0, self.task, self.sweeps.asked)
         bounds = np.maximum(bounds, 0.0 if of_work is None else of_work.value)
+        jobs = [
+            RaiseJob(number, "flank_load_n_mm", reached, cap, (wheel, wheel), self.motion(number), PROGRAMMES)
+            for number, (reached, cap, wheel) in enumerate(zip(load, power, flywheel, strict=True))
+            if reached > NEAR * bounds[number]
+        ]
+        bounds = self.raised(bounds, jobs)
         return [machine_limit(one, float(bound)) for one, bound in zip(self.machines, bounds, strict=True)]
+
+    def motion(self, number: int) -> Motion:
+        """The motion of the crank of a machine."""
+        law, angle = Drive(self.made[number]).law.train.whole, np.arange(MOTION_PLACES) * self.task.cycle_rad
+        turned = law.driven_angle(angle / MOTION_PLACES, 1)
+        return Motion(turned.value, turned.derivative(1))
+
+    def raised(self, bounds: Array, jobs: Sequence[RaiseJob]) -> Array:
+        """Limits of which some are raised, shape (k,)."""
+        found = bounds.copy()
+        for job, value in finished(partial(raised_limit, self.design), jobs, *self.where):
+            found[job.number] = max(value, found[job.number])
+        return found
 
     def _flywheel_parts(self) -> Array:
         """Parts of the range of flywheels with the gears' inertia, shape (2, parts)."""
@@ -119,7 +193,14 @@ class MachineLimits:
         if self.design.masses is None:
             # Without masses the conic programmes give a higher bound, and no flywheel or gear changes anything
             return max(float(bounds.min()), least_power(replace(self.task, masses=None), self.sweeps.asked).value)
-        return max(float(bounds.min()), least_mean_power_w(self.task), 0.0)
+        bounds = np.maximum(bounds, max(least_mean_power_w(self.task), 0.0))
+        low = [number for number in range(bounds.size) if most[number] > NEAR * bounds[number]]
+        motion = self.motion(int(np.argmin([one.figures.peak_power_w for one in self.machines])))
+        jobs = [
+            RaiseJob(number, "power_w", most[number], inf, tuple(parts[:, number]), motion, PROGRAMMES // len(low))
+            for number in low
+        ]
+        return float(self.raised(bounds, jobs).min())
 
     def cost(self, lowest_w: float) -> float:
         """A lower bound of the cost: the least over parts of the ranges of power, from the least power, and flywheel.

@@ -139,7 +139,7 @@ class MachineSearch:
     def proven(self, found: WholeMachines) -> WholeMachines:
         """The machines with their limits, and with the price of each wish for the recommended machine."""
         self._on_step("limits", 0, 1)
-        limits = MachineLimits(self.design, found.machines, self.laws).found()
+        limits = MachineLimits(self.design, found.machines, self.laws, *self.where).found()
         best = found.machines[found.recommended]
         prices = wish_prices(best, partial(self._on_step, "prices of wishes"), *self.where)
         return replace(found, limits=limits, prices=prices)

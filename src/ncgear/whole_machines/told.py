@@ -95,7 +95,7 @@ def _limit_rows(found: WholeMachines) -> list[Row]:
     rows = [Row("least power", (f"{to_digits(limits.power_w, 4)} W at least, whatever the law (certified)",))]
     if own.flank_load_n_mm > 0.0:
         gap = fixed(100.0 * own.flank_load_gap, 1)
-        rows.append(Row("flank load", (f"{gap} % over a limit that no law of this power goes below (by sweeps)",)))
+        rows.append(Row("flank load", (f"{gap} % over a limit that no law of this power goes below",)))
     if own.gear_volume_mm3 > 0.0:
         gap = fixed(100.0 * own.gear_volume_gap, 1)
         rows.append(Row("gears", (f"{gap} % over that limit at the estimate's level of strength",)))

@@ -54,6 +54,8 @@ class Demands:
     their common perpendicular, without the rack's own angle, which messages add.  ``convex`` asks both pitch curves to
     be convex.  Powers are the motor's, with every mass that the task has.  ``fluctuation_n_mm`` bounds the swing of the
     energy that the driving shaft gives and takes beside its mean, ``torque_n_mm`` the root mean square of its torque.
+    ``flank_load_n_mm`` is the flank load of ``task``; ``flywheel_kg_mm2`` is the least and the greatest inertia that a
+    motion may have in addition to the crank's.
     """
 
     ratio_min: float
@@ -67,6 +69,8 @@ class Demands:
     braking_w: float = inf
     fluctuation_n_mm: float = inf
     torque_n_mm: float = inf
+    flank_load_n_mm: float = inf
+    flywheel_kg_mm2: tuple[float, float] = (0.0, 0.0)
     wishes: tuple[WishDemand, ...] = ()
 
     @property

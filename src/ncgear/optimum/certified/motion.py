@@ -19,6 +19,7 @@ programme together.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from math import inf, isinf
 
 import numpy as np
@@ -193,7 +194,7 @@ class MotionProgramme:
         """The peak speed, even speeds over stretches, and ranges of the speed; squared, over crank w."""
         on, per_q = self.on, (self.on.slope_mm_rad / self.crank) ** 2
         unit = self.crank * self.speed
-        if (peak := self._limit("speed_mm_s")) is not None:
+        if (peak := self.limited("speed_mm_s")) is not None:
             # The square of its share lies below its chord
             all_round = peak.share.repeated(on.count)
             square = (all_round * (1.0 + peak.least) - peak.least) * (peak.most / unit) ** 2
@@ -216,12 +217,28 @@ class MotionProgramme:
             if not isinf(limit.most_mm_s):
                 self.programme.positive((limit.most_mm_s / unit) ** 2 - speed)
 
+    @cached_property
+    def given(self) -> Linear:
+        """The energy in N mm that the crank takes in each cell."""
+        least, most = self.asked.flywheel_kg_mm2
+        unit = self.speed**2 / 2000.0
+        kinetic = self.q * ((self.on.inertia_kg_mm2 + least) * unit)
+        if most > least:
+            # The share of the flywheel's range times q lies within the four planes of McCormick
+            share = self.programme.variable(np.zeros(1), np.ones(1)).repeated(self.on.count)
+            product = self.programme.variable(np.zeros(self.on.count), self.highest)
+            self.programme.positive(1.0 - share[:1])
+            self.programme.positive(product - share * self.lowest)
+            self.programme.positive(share * self.highest - product)
+            self.programme.positive(product - self.q - share * self.highest + self.highest)
+            self.programme.positive(self.q + share * self.lowest - self.lowest - product)
+            kinetic = kinetic + product * ((most - least) * unit)
+        return kinetic[self.next] - kinetic + self.on.work_n_mm
+
     def limit_energies(self) -> None:
         """Motor and brake with masses, the swing of the shaft's energy, and its mean square torque; all in N mm."""
-        on, task = self.on, self.task
+        on, task, given = self.on, self.task, self.given
         work = on.work_n_mm
-        kinetic = self.q * (on.inertia_kg_mm2 * self.speed**2 / 2000.0)
-        given = kinetic[self.next] - kinetic + work
         if task.masses is not None:
             self._limit_flow("power_w", given)
         elif "power_w" in self.priced:
@@ -231,17 +248,17 @@ class MotionProgramme:
             self.programme.positive(enough - self._slower()[pressed] * share)
         self._limit_flow("braking_w", -given)
         total = float(np.sum(work))
-        if (torque := self._limit("torque_n_mm")) is not None:
+        if (torque := self.limited("torque_n_mm")) is not None:
             # The mean square of the torque over a cell is no less than the square of its mean
             squares = self.programme.variable(np.zeros(on.count), np.full(on.count, task.cycle_rad))
             self.programme.product(self.time * self.after_h, squares, given * (1.0 / torque.most))
             # The square of its share lies below its chord
             square = torque.share * (1.0 + torque.least) - torque.least
             self.programme.positive(square * task.cycle_rad - squares.total())
-        if (swing := self._limit("fluctuation_n_mm")) is not None:
+        if (swing := self.limited("fluctuation_n_mm")) is not None:
             self._swing(given, total, swing)
 
-    def _limit(self, name: str) -> LimitedFigure | None:
+    def limited(self, name: str) -> LimitedFigure | None:
         """A figure that is limited, a variable if it is priced; None where it is free."""
         most = getattr(self.asked, name)
         if isinf(most):
@@ -250,7 +267,7 @@ class MotionProgramme:
 
     def _limit_flow(self, name: str, given: Linear) -> None:
         """Cells take their time at a peak power; its share times the time lies below both planes of McCormick."""
-        power = self._limit(name)
+        power = self.limited(name)
         if power is None:
             return
         taken = given * (self.speed / (1000.0 * power.most * self.after_h))

@@ -12,6 +12,7 @@ from ncgear.frozen import dataclass
 from ncgear.optimum.certified.curve_rows import follow_driving_curve, limit_bulge, limit_driving_curve, limit_lean
 from ncgear.optimum.certified.cycle import CrankCycle
 from ncgear.optimum.certified.demands import PEAKS, Demands, NearMotion, Priced, Ranges
+from ncgear.optimum.certified.flank_rows import limit_flank_load
 from ncgear.optimum.certified.motion import MotionProgramme
 from ncgear.optimum.certified.proof import least
 from ncgear.optimum.certified.time_rows import least_times, limit_times, needs_times, take_time
@@ -57,6 +58,7 @@ def motion_programme(
     made.limit_speeds()
     made.limit_decelerations()
     made.limit_energies()
+    limit_flank_load(made, curve if isinstance(curve, Ranges) else None)
     least_times(made)
     take_time(made, closed)
     return made

@@ -15,11 +15,14 @@ from ncgear.wishes.requirements import TimeWithin
 
 
 def needs_times(task: Task, asked: Demands) -> bool:
-    """Whether a time longer than the true time eases a row: a row of energies or of stretches."""
+    """Whether a time longer than the true time eases a row: a row of energies, of flanks or of stretches."""
     return (
         task.masses is not None
         or bool(asked.requirements(TimeWithin))
-        or any(not isinf(one) for one in (asked.braking_w, asked.fluctuation_n_mm, asked.torque_n_mm))
+        or any(
+            not isinf(one)
+            for one in (asked.braking_w, asked.fluctuation_n_mm, asked.torque_n_mm, asked.flank_load_n_mm)
+        )
     )
 
 

@@ -7,6 +7,7 @@ from contextlib import suppress
 from dataclasses import replace
 from heapq import heappop, heappush
 from math import atan, cos, inf, log, pi, sin
+from typing import Any
 
 from ncgear.errors import NoSuchMechanism, Unanswered
 from ncgear.kinematics.crank_stretches import CrankStretch
@@ -57,7 +58,11 @@ def demands_of(task: Task, wishes: Wishes, case: Case = NO_CASE) -> Demands:
         for one in _demands(task, wish, requirement, limits.ratio_max)
     ]
     one_pair, loads_known = wishes.two_stages is None, knows_loads(task, wishes)
-    of_loads = {name: getattr(limits, figure) if loads_known else None for figure, name in OF_LOADS.items()}
+    of_loads: dict[str, Any] = {
+        name: value * in_demand(task, name)
+        for figure, name in OF_LOADS.items()
+        if loads_known and (value := getattr(limits, figure)) is not None
+    }
     return Demands(
         ratio_min=fastest,
         ratio_max=limits.ratio_max,
@@ -67,7 +72,7 @@ def demands_of(task: Task, wishes: Wishes, case: Case = NO_CASE) -> Demands:
         acceleration_mm_s2=limits.peak_acceleration_mm_s2 or inf,
         speed_mm_s=limits.peak_speed_mm_s or inf,
         power_w=(limits.peak_power_w if loads_known else None) or inf,
-        **{name: inf if value is None else value * in_demand(task, name) for name, value in of_loads.items()},
+        **of_loads,
         wishes=tuple(asked),
     )
 
