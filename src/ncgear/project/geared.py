@@ -524,7 +524,8 @@ class Geared(Moving):
         from ncgear.strength.conditions import Running
 
         size, teeth = self.pitch.size, (self.pitch.size.driving_teeth, self.pitch.size.driven_teeth)
-        width, speed, toothed = self.gears.face_width_mm, self.machine.speed_rad_s, self.pitch.toothed
+        width, toothed = self.gears.face_width_mm, self.pitch.toothed
+        speed = self.machine.speed_rad_s * self.transmission.lobes.driving / self.pair.transmission.lobes.driving
         found = Running(size.module_mm, teeth, width, speed, self.overlap_ratio)
         if toothed is None:
             return found

@@ -83,6 +83,7 @@ def _as_machine(document: Document) -> Document:
     if keys is None:
         return document
     places = {key.removeprefix("train."): place for key, place in document.places.items()}
+    places |= {key: places[name] for key, name in file.train.WRITTEN_AS.items() if name in places}
     return Document({"name": file.name, "description": file.description, **keys}, places)
 
 
@@ -104,7 +105,8 @@ def refuse_train(document: Document, needed: str) -> None:
     """Refuse the file of a train of gears if another file is needed; raises WrongInput with the commands that work."""
     if "train" in document.data:
         problem = (
-            f"the file has a train of gears, which `ncgear check`, `build` and `animate` take; this needs {needed}"
+            "the file has a train of gears, which `ncgear check`, `build` and `animate` take, and a chain of gears also "
+            f"`strength`, `tolerance` and `report`; this needs {needed}"
         )
         raise WrongInput(problem, key="train", location=str(document.place("train")))
 
