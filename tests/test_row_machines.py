@@ -14,7 +14,9 @@ import pytest
 from shapely import Polygon
 
 from drives import DESIGNS, drive_of_text
-from ncgear.design.reading.design_file import load, load_train
+from ncgear.cli.studio import studio
+from ncgear.design.reading.design_file import load, load_train, parsed
+from ncgear.design.rewritten import design_copy
 from ncgear.drawings.scene.geared_pairs import SceneGear
 from ncgear.drawings.scene.scene import scene_of_teeth
 from ncgear.errors import WrongInput
@@ -158,6 +160,16 @@ def test_a_train_of_a_chain_is_the_same_row_as_a_machine(tmp_path: Path) -> None
     assert drive.machine.load.backwards_n(np.array([0.0]), np.array([False])) == pytest.approx([15_000.0])
 
 
+def test_a_chain_is_written_for_others_as_the_file_of_a_machine() -> None:
+    """As sweeps write their best designs, and reports show the file."""
+    loaded = load(DESIGNS / "idler-chain.yaml")
+    again = parsed(design_copy(loaded, {"gears.teeth": 40}), Path("machine.yaml")).design
+    assert again.gears is not None
+    assert loaded.design.gears is not None
+    assert again.gears == loaded.design.gears.model_copy(update={"teeth": 40})
+    assert again.motion == loaded.design.motion
+
+
 @pytest.mark.parametrize(
     ("old", "new", "line", "said"),
     [
@@ -202,3 +214,8 @@ def test_a_torque_that_other_gears_do_not_meet_again_is_refused() -> None:
     with pytest.raises(WrongInput, match="repeats every 180 deg") as wrong:
         _ = made("{lobes: [2]}", UNEVEN, "12 + sin(x)").check
     assert wrong.value.key == "resistance"
+
+
+def test_the_studio_says_what_it_edits_in_place_of_a_train() -> None:
+    with pytest.raises(WrongInput, match=r"the studio edits machines: gears\.idlers"):
+        studio(DESIGNS / "idler-chain.yaml")
