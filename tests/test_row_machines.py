@@ -25,6 +25,8 @@ from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.rough_strength import rough_strength
 from ncgear.project.strengthening import rating_of
+from ncgear.project.tolerance import _mesh_and_limits, lot_of
+from ncgear.project.tolerance_limits import tolerances_of
 from ncgear.strength.holding import Damage
 from ncgear.strength.life import MEAN_STRESS
 from ncgear.trains.chain import same_flanks
@@ -208,6 +210,7 @@ def test_keys_of_one_pair_are_refused_for_a_row(changed: str, key: str) -> None:
     assert "not offered for a row of gears with idlers" in wrong.value.problem
 
 
+@pytest.mark.thorough
 def test_a_torque_that_other_gears_do_not_meet_again_is_refused() -> None:
     """The last gear has two lobes: one lobe of others meets either half of its turn."""
     assert made("{lobes: [2]}", UNEVEN, "12 + sin(2*x)").check.peak_power_w.value > 0.0
@@ -216,6 +219,27 @@ def test_a_torque_that_other_gears_do_not_meet_again_is_refused() -> None:
     assert wrong.value.key == "resistance"
 
 
+@pytest.mark.thorough
 def test_the_studio_says_what_it_edits_in_place_of_a_train() -> None:
     with pytest.raises(WrongInput, match=r"the studio edits machines: gears\.idlers"):
         studio(DESIGNS / "idler-chain.yaml")
+
+
+@pytest.mark.thorough
+def test_teeth_with_other_chords_stand_where_the_teeth_of_the_row_stand() -> None:
+    """As assemblies are compared with finer outlines, and speeds with errors."""
+    pair = made("{lobes: [1]}").by_stage[1]
+    finer = pair.toothed(pair.chord_tolerance_mm / 4.0)
+    for gear in Gear:
+        coarse, fine = (Polygon(one.of(gear).outline_mm) for one in (pair.teeth, finer))
+        assert coarse.hausdorff_distance(fine) < 2.0 * pair.chord_tolerance_mm
+
+
+@pytest.mark.slow
+def test_assemblies_of_a_row_have_no_keyways_in_idlers_and_want_gears_that_turn_alike() -> None:
+    drive = made(BENT)
+    given, _ = tolerances_of(drive)
+    found = [_mesh_and_limits(pair, given)[1].index_rad for pair in drive.by_stage]
+    assert [(one[0] > 0.0, one[1] > 0.0) for one in found] == [(True, False), (False, False), (False, True)]
+    with pytest.raises(WrongInput, match="whose gears turn alike"):
+        lot_of(made("{lobes: [2]}"), given)

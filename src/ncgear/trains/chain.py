@@ -24,7 +24,7 @@ from ncgear.teeth.backlash import require_teeth
 from ncgear.teeth.fitting import PairTips, least_contact_ratio
 from ncgear.teeth.flank import Flanks
 from ncgear.teeth.form import Backlash, Cutter, CutterKind, ToothForm
-from ncgear.teeth.gear import ToothedPair, outlined_pair, pair_tips, toothed_gear
+from ncgear.teeth.gear import pair_tips, toothed_gear
 from ncgear.teeth.outline import ChordTolerance
 from ncgear.teeth.tips import Tips, held_below
 from ncgear.teeth.tool import least_concave_radius_mm, most_teeth
@@ -120,12 +120,6 @@ def row_tips(row: Row, form: ToothForm) -> list[tuple[CutterKind, PairTips]]:
         made[-1] = kind, (first, _as_low_as_both(idler, own, rolled))
         made.append((tool, (_as_low_as_both(own, idler, -rolled), mate)))
     return made
-
-
-def row_teeth(row: Row, form: ToothForm, tolerance_mm: float) -> tuple[ToothedPair, ...]:
-    """Both toothed gears of each mesh, for the form of ``row_form``; raises as ``row_tips``."""
-    made = zip(row.pairs, row_tips(row, form), strict=True)
-    return tuple(outlined_pair(pair, form, tips, tolerance_mm) for pair, tips in made)
 
 
 def same_flanks(own: Flanks, other: Flanks, rolled_mm: float) -> IndexArray:
