@@ -16,6 +16,7 @@ from drives import drive_of_text
 from ncgear.errors import WrongInput
 from ncgear.figures.summary.check_summary import stages_summary
 from ncgear.project.drive import Drive
+from ncgear.project.in_common import drive_like
 from ncgear.project.strengthening import rating_of
 
 MACHINE = """\
@@ -133,6 +134,7 @@ def test_what_cannot_be_shared_out_is_refused(law: str, more: str, key: str, sai
     assert said in wrong.value.problem
 
 
+@pytest.mark.thorough
 def test_masses_count_with_two_pairs_at_most() -> None:
     text = MACHINE.format(law=EVEN, pairs=3, torque="10", more="") + "masses: {shaft_kg_mm2: 20000}\n"
     with pytest.raises(WrongInput) as wrong:
@@ -149,3 +151,13 @@ def test_a_stage_that_is_not_there_is_refused() -> None:
             drive.of_stage(stage)
         assert wrong.value.key == "gears.pairs"
         assert said in wrong.value.problem
+
+
+def test_a_drive_that_shares_its_law_otherwise_takes_no_law_over() -> None:
+    """As a sweep over the number of pairs, whose designs differ in nothing else."""
+    three = made(SQUARE, 3)
+    _ = three.law
+    changed = three.design.model_copy(update={"gears": three.gears.model_copy(update={"pairs": 2})})
+    assert len(drive_like(three, changed).law.train.pairs) == 2
+    same = three.design.model_copy(update={"gears": three.gears.model_copy(update={"face_width_mm": 20.0})})
+    assert drive_like(three, same).law is three.law

@@ -246,9 +246,8 @@ def _finer_tolerance(drive: Drive, tolerance: float) -> float | None:
 
 
 def _toothed(drive: Drive, tolerance_mm: float) -> ToothedPair:
-    from ncgear.teeth.gear import toothed_pair
 
-    return toothed_pair(drive.pitch, drive.tooth_form, tolerance_mm)
+    return drive.toothed(tolerance_mm)
 
 
 def _teeth(drive: Drive) -> BenchStage:

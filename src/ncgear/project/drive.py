@@ -7,6 +7,8 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from ncgear.design.words import listed
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput, located
 from ncgear.numerics.arrays import Array
@@ -539,7 +541,35 @@ class Drive(Geared):
 
     @computed_by
     def judged_teeth(self, method: Method) -> JudgedTeeth:
-        """Loads and strength of the teeth by a method, with the method's other results."""
+        """Loads and strength of the teeth by a method, with the method's other results; idlers bend both ways."""
+        from ncgear.project.tooth_strength import judged_in_row
+
+        judged = self._judged_alone(method)
+        if self.gears.idlers is None:
+            return judged
+        driving, driven = (self._pressed_elsewhere(gear, method) for gear in Gear)
+        return judged_in_row(judged, (driving, driven), self.conditions, self.running)
+
+    def _pressed_elsewhere(self, gear: Gear, method: Method) -> Array | None:
+        """The compressions of roots of one gear in its other mesh, at this mesh's flanks; None for a gear without."""
+        from ncgear.strength.life import pressed_mpa
+        from ncgear.trains.chain import same_flanks
+
+        number = self.stage or 1
+        beside = number + 1 if gear is Gear.DRIVEN else number - 1
+        if not 1 <= beside <= self.design.stages:
+            return None
+        other, there = self.whole.by_stage[beside - 1], list(Gear)[gear is Gear.DRIVING]
+        found, teeth = other._judged_alone(method).strength, other.teeth.of(there)
+        compression = found.stresses.compression_mpa[list(Gear).index(there)]
+        pressed = pressed_mpa(compression, found.contacts.on(there).flank, teeth.teeth)
+        rolled_mm = self.whole.row.rolled_mm(min(number, beside))
+        sense = 1.0 if gear is Gear.DRIVEN else -1.0
+        return np.asarray(pressed[same_flanks(self.teeth.of(gear).flanks, teeth.flanks, sense * rolled_mm)])
+
+    @computed_by
+    def _judged_alone(self, method: Method) -> JudgedTeeth:
+        """As ``judged_teeth``, of a pair whose gears mesh with each other only."""
         from ncgear.project.tooth_strength import judged_teeth, methods_of, require_known_rims
 
         load, sections = self.tooth_load.load, self.face_sections

@@ -51,7 +51,8 @@ if TYPE_CHECKING:
     from ncgear.strength.sections import FaceSections
     from ncgear.teeth.arcs import ArcOutline
     from ncgear.teeth.backlash import Play
-    from ncgear.teeth.form import ToothForm
+    from ncgear.teeth.fitting import PairTips
+    from ncgear.teeth.form import CutterKind, ToothForm
     from ncgear.teeth.gear import ToothedPair
     from ncgear.trains.chain import PairRow
 
@@ -203,24 +204,30 @@ class Geared(Moving):
         return row_form(self.row, tooth_form_of(self.gears, self.row.pairs[0].size.module_mm))
 
     @computed
-    def row_teeth(self) -> tuple[ToothedPair, ...]:
-        """Both toothed gears of each pair of a whole row."""
-        from ncgear.trains.chain import row_teeth
+    def row_tips(self) -> list[tuple[CutterKind, PairTips]]:
+        """Tool and flanks of both gears of each pair of a whole row."""
+        from ncgear.trains.chain import row_tips
 
-        first = self.by_stage[0]
-        with self.stopwatch("teeth"), first.telling_the_finest():
-            return row_teeth(self.row, self.row_form, first.chord_tolerance_mm)
+        with self.stopwatch("teeth"):
+            return row_tips(self.row, self.row_form)
 
     @computed
     def teeth(self) -> ToothedPair:
         """Both toothed gears."""
-        from ncgear.teeth.gear import toothed_pair
-
-        if self.gears.idlers is not None:
-            return self.whole.row_teeth[(self.stage or 1) - 1]
-        pitch, form = self.pitch, self.tooth_form
+        _ = self.pitch, self.tooth_form
         with self.stopwatch("teeth"), self.telling_the_finest():
-            return toothed_pair(pitch, form, self.chord_tolerance_mm)
+            return self.toothed(self.chord_tolerance_mm)
+
+    def toothed(self, chord_mm: float, flank_tolerance_mm: float | None = None, advance_mm: float = 0.0) -> ToothedPair:
+        """Both toothed gears with chord tolerances as in ``toothed_pair``; an idler's teeth have one place only."""
+        from ncgear.teeth.gear import outlined_pair, pair_tips
+
+        pitch, form = self.pitch, self.tooth_form
+        if self.gears.idlers is None:
+            made = pair_tips(pitch, form, advance_mm)
+        else:
+            made = self.whole.row_tips[(self.stage or 1) - 1]
+        return outlined_pair(pitch, form, made, chord_mm, flank_tolerance_mm=flank_tolerance_mm)
 
     @computed
     def face_sections(self) -> FaceSections:
@@ -534,7 +541,8 @@ class Geared(Moving):
         from ncgear.strength.conditions import Running
 
         size, teeth = self.pitch.size, (self.pitch.size.driving_teeth, self.pitch.size.driven_teeth)
-        width, speed, toothed = self.gears.face_width_mm, self.machine.speed_rad_s, self.pitch.toothed
+        width, toothed = self.gears.face_width_mm, self.pitch.toothed
+        speed = self.machine.speed_rad_s * self.transmission.lobes.driving / self.pair.transmission.lobes.driving
         found = Running(size.module_mm, teeth, width, speed, self.overlap_ratio)
         if toothed is None:
             return found

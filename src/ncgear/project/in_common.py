@@ -36,7 +36,8 @@ def drive_like(drive: Drive, design: Design, loaded: LoadedDesign | None = None)
 def _in_common(one: Design, other: Design) -> tuple[str, ...]:
     """The attributes that drives of two designs have in common."""
     same_linkage = one.linkage == other.linkage
-    if (one.motion, lobes_of(one)) != (other.motion, lobes_of(other)) or (not same_linkage and one.motion.gives_slider):
+    laws = [(design.motion, lobes_of(design), *_series(design)) for design in (one, other)]
+    if laws[0] != laws[1] or (not same_linkage and one.motion.gives_slider):
         return ()
     law = ("law",) if same_linkage else ()
     before, after = one.gears, other.gears
@@ -49,3 +50,8 @@ def _in_common(one: Design, other: Design) -> tuple[str, ...]:
     if sizes[0] == sizes[1] and reach_in_pitches(before) == reach_in_pitches(after):
         return *law, "pitch"
     return law
+
+
+def _series(design: Design) -> tuple[object, ...]:
+    """The keys that make pairs in series of a law."""
+    return (design.gears.pairs, design.gears.idlers) if design.gears else (1, None)

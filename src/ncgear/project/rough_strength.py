@@ -206,6 +206,8 @@ def _needs_teeth(drive: Drive, plan: ToothPlan, load: RolledLoad, sides: list[Sh
         return "it needs the teeth to tell of a ring"
     if abs(sum(plan.shifts)) > LEAST_SHIFT:
         return "it needs the teeth to tell where both profile shifts are not opposite"
+    if drive.gears.idlers is not None:
+        return "it needs the teeth to tell of idlers, which bend both ways"
     pushing, idle = plan.angles_rad
     if abs(pushing - idle) > MOST_UNEQUAL_RAD:
         return "it needs the teeth to tell of unequal pressure angles"

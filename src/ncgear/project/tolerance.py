@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import ceil
 
 import numpy as np
@@ -15,7 +16,7 @@ from ncgear.numerics.bounds import rounded_up, shown_above
 from ncgear.project.drive import Drive
 from ncgear.project.tolerance_limits import TURNING, Process, backlash_key, left_of_backlash, limits_of, tolerances_of
 from ncgear.solids.helical.sections import said_of_section
-from ncgear.teeth.gear import ToothedPair, toothed_pair
+from ncgear.teeth.gear import ToothedPair
 from ncgear.tolerances.assemblies import Assemblies, AssembliesTask, Lot, lot_of_pairs
 from ncgear.tolerances.drawn import DeviationLimits, reachable
 from ncgear.tolerances.mesh import Face, LinearMesh, mesh_of, straight_face
@@ -184,13 +185,13 @@ def face_of(drive: Drive, tolerances_mm: tuple[float, float] | None = None) -> F
     The outlines are the outlines of the design, or have the given chord tolerances: the second tolerance is for flanks.
     Raises NoSuchMechanism, naming the height, where no tooth can stand.
     """
-    form, pitch, helix = drive.tooth_form, drive.pitch, drive.helix
+    helix = drive.helix
     chord, flank = tolerances_mm or (drive.chord_tolerance_mm, None)
 
     def made(advance_mm: float) -> ToothedPair:
         if tolerances_mm is None and advance_mm == 0.0:
             return drive.teeth
-        return toothed_pair(pitch, form, chord, flank_tolerance_mm=flank, advance_mm=advance_mm)
+        return drive.toothed(chord, flank, advance_mm)
 
     if helix is None:
         return straight_face(made(0.0), drive.gears.face_width_mm)
@@ -205,7 +206,16 @@ def face_of(drive: Drive, tolerances_mm: tuple[float, float] | None = None) -> F
 
 
 def lot_of(drive: Drive, given: AssemblyTolerances) -> Lot:
-    """The data from which assemblies are computed; raises as ``Drive.designed_contact`` where teeth are not sound."""
+    """The data from which assemblies are computed; raises as ``Drive.designed_contact`` where teeth are not sound.
+
+    Raises WrongInput for a row of gears that do not all turn alike.
+    """
+    gears = drive.gears
+    if gears.idlers is not None and {gears.lobes.driven, *gears.idlers.lobes} != {gears.lobes.driving}:
+        raise WrongInput(
+            "given with other lobes than the first gear has; assemblies are computed of rows whose gears turn alike",
+            key="gears.idlers",
+        )
     peak = drive.check.peak_acceleration_cycle.value
     made = [(*_mesh_and_limits(pair, given), _reversals(pair), pair.pair) for pair in drive.by_stage]
     first = drive.by_stage[0]
@@ -217,7 +227,12 @@ def lot_of(drive: Drive, given: AssemblyTolerances) -> Lot:
 def _mesh_and_limits(drive: Drive, given: AssemblyTolerances) -> tuple[LinearMesh, DeviationLimits]:
     """The linear mesh of one pair, and the limits of its deviations."""
     _ = drive.designed_contact
-    limits = limits_of(drive, given)
+    limits, gears = limits_of(drive, given), drive.gears
+    if gears.idlers is not None:
+        # An idler needs no keyway: both its meshes turn with one gear.
+        first, last = limits.index_rad
+        ends = drive.stage == 1, drive.stage == drive.design.stages
+        limits = replace(limits, index_rad=(first * ends[0], last * ends[1]))
     return _mesh(drive, limits, PER_TOOTH), limits
 
 

@@ -101,6 +101,16 @@ def judged_teeth(
     return JudgedTeeth(loading, strength, methods, warm, jammed)
 
 
+def judged_in_row(
+    judged: JudgedTeeth, elsewhere_mpa: tuple[Array | None, Array | None], conditions: Conditions, running: Running
+) -> JudgedTeeth:
+    """Teeth that other meshes bend the other way, by compressions of their roots as ``strength_of`` takes them."""
+    one = judged.strength
+    materials = one.driving.material, one.driven.material
+    asked = one.contacts, one.stresses, materials, conditions, judged.loading.cycle_rad, running, one.method, one.load
+    return replace(judged, strength=strength_of(*asked, elsewhere_mpa))
+
+
 def surfaces_of_teeth(
     judged: JudgedTeeth,
     gears: Gears,

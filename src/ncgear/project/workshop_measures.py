@@ -20,7 +20,7 @@ from ncgear.project.geared import Geared
 from ncgear.project.tooth_form import thickness_limits_mm
 from ncgear.shown import Shown
 from ncgear.solids.helical.helix import Helix
-from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
+from ncgear.teeth.gear import ToothedGear, ToothedPair
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +133,7 @@ def measured_section(drive: Geared) -> ToothedPair:
     if drive.helix is None:
         return drive.teeth
     advance = drive.helix.advance_mm(section_z_mm(drive.helix))
-    return toothed_pair(drive.pitch, drive.tooth_form, drive.chord_tolerance_mm, advance_mm=advance)
+    return drive.toothed(drive.chord_tolerance_mm, advance_mm=advance)
 
 
 def section_z_mm(helix: Helix) -> float:

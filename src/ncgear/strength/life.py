@@ -70,16 +70,20 @@ def strength_of(
     running: Running,
     method: Literal["estimate", "elements"],
     load: LoadBy,
+    elsewhere_mpa: tuple[Array | None, Array | None] = (None, None),
 ) -> Strength:
     """Safety and life of every tooth of both gears.
+
+    ``elsewhere_mpa`` are the compressions of roots by the loads of each flank in another mesh of the driving and the
+    driven gear, shape (2 z,); None for a gear without another mesh.
 
     ``contacts`` cover a whole cycle of meetings, in which the driving gear turns by ``cycle_rad``: several turns where
     teeth meet other mates in each turn.
     """
     hours = cycle_rad / running.speed_rad_s / 3600.0
     driving, driven = (
-        _gear_strength(gear, contacts, stresses, materials[place], conditions.life_h, cycle_rad, hours, z)
-        for place, (gear, z) in enumerate(zip(Gear, running.teeth, strict=True))
+        _gear_strength(gear, contacts, stresses, materials[place], conditions.life_h, cycle_rad, hours, z, other)
+        for place, (gear, z, other) in enumerate(zip(Gear, running.teeth, elsewhere_mpa, strict=True))
     )
     end_rad = cycle_rad / 2.0 if running.around else cycle_rad
     return Strength(method, load, contacts, stresses, driving, driven, end_rad)
@@ -94,10 +98,11 @@ def _gear_strength(
     cycle_rad: float,
     cycle_h: float,
     teeth: int,
+    elsewhere_mpa: Array | None,
 ) -> GearStrength:
     place, flank, pressure = list(Gear).index(gear), contacts.on(gear).flank, stresses.pressure_mpa
     tension = stresses.tension_mpa[place]
-    counted = alternating_mpa(tension, stresses.compression_mpa[place], flank, teeth)
+    counted = alternating_mpa(tension, stresses.compression_mpa[place], flank, teeth, elsewhere_mpa)
     met = meetings_of(contacts, gear, tension, counted, cycle_rad)
     bending = tooth_life(met, material.bending, teeth, life_h, cycle_h)
     if material.contact is None:
@@ -166,15 +171,24 @@ MEAN_STRESS = (1.0 / BOTH_WAYS - 1.0) / COMPRESSION_OVER_TENSION
 """Share of the compression that counts as tension: with it a compression of 1.2 times the tension leaves 0.7."""
 
 
-def alternating_mpa(tension: Array, compression: Array, flank: IndexArray, teeth: int) -> Array:
-    """The pulsating tension with the same damage as each contact's tension and the root's compression.
-
-    The other flank's load presses the root; where it is never loaded, this is the tension itself.  A pulsating stress
-    and a reversing stress of 0.7 of it do the same damage (ISO 6336-3, annex); linear in between.
-    """
+def pressed_mpa(compression: Array, flank: IndexArray, teeth: int) -> Array:
+    """The largest compression of the root at each flank, shape (2 z,), by loads on the tooth's other flank."""
     pressed = np.zeros(2 * teeth)
     np.maximum.at(pressed, flank ^ 1, compression)
-    return tension + MEAN_STRESS * pressed[flank]
+    return pressed
+
+
+def alternating_mpa(
+    tension: Array, compression: Array, flank: IndexArray, teeth: int, elsewhere: Array | None = None
+) -> Array:
+    """The pulsating tension with the same damage as each contact's tension and the root's compression.
+
+    The other flank's load presses the root, in this mesh or ``elsewhere`` (shape (2 z,)); where it is never loaded,
+    this is the tension itself.  A pulsating stress and a reversing stress of 0.7 of it do the same damage (ISO 6336-3,
+    annex); linear in between.
+    """
+    pressed = pressed_mpa(compression, flank, teeth)
+    return tension + MEAN_STRESS * np.maximum(pressed, 0.0 if elsewhere is None else elsewhere)[flank]
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,15 +15,16 @@ import numpy as np
 
 from ncgear.errors import below, renamed
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
 from ncgear.ratio.laws.row import beta_rad, row_train
 from ncgear.ratio.transmission import Transmission
 from ncgear.teeth.backlash import require_teeth
 from ncgear.teeth.fitting import PairTips, least_contact_ratio
+from ncgear.teeth.flank import Flanks
 from ncgear.teeth.form import Backlash, Cutter, CutterKind, ToothForm
-from ncgear.teeth.gear import ToothedPair, outlined_pair, pair_tips, toothed_gear
+from ncgear.teeth.gear import pair_tips, toothed_gear
 from ncgear.teeth.outline import ChordTolerance
 from ncgear.teeth.tips import Tips, held_below
 from ncgear.teeth.tool import least_concave_radius_mm, most_teeth
@@ -61,6 +62,11 @@ class PairRow:
         """Driving angle after which all gears have made whole turns."""
         lobes = [self.pairs[0].transmission.lobes.driving, *(pair.transmission.lobes.driven for pair in self.pairs)]
         return 2.0 * pi * lcm(*(one // gcd(one, lobes[0]) for one in lobes))
+
+    def rolled_mm(self, number: int) -> float:
+        """The arc that rolls while an idler, by its number from 1 on, turns from the axis before it to the next."""
+        pair, turned = self.pairs[number], np.array([beta_rad(self.directions_rad, number)])
+        return float(pair.arc.length(turned)[0]) * pair.center_distance_mm
 
     def turned_rad(self, driving_rad: Array) -> Array:
         """theta_k of all gears, shape (gears, n)."""
@@ -107,8 +113,7 @@ def row_tips(row: PairRow, form: ToothForm) -> list[tuple[CutterKind, PairTips]]
         if not number:
             made.append(pair_tips(pair, form, advance))
             continue
-        turned = np.array([beta_rad(row.directions_rad, number)])
-        rolled = float(pair.arc.length(turned)[0]) * pair.center_distance_mm
+        rolled = row.rolled_mm(number)
         advance = (advance + pitch_mm / 2.0 + rolled + thinner) % pitch_mm
         kind, (first, idler) = made[-1]
         tool, (own, mate) = pair_tips(pair, form, advance)
@@ -117,17 +122,16 @@ def row_tips(row: PairRow, form: ToothForm) -> list[tuple[CutterKind, PairTips]]
     return made
 
 
-def row_teeth(row: PairRow, form: ToothForm, tolerance_mm: float) -> tuple[ToothedPair, ...]:
-    """Both toothed gears of each mesh, for the form of ``row_form``; raises as ``row_tips``."""
-    made = zip(row.pairs, row_tips(row, form), strict=True)
-    return tuple(outlined_pair(pair, form, tips, tolerance_mm) for pair, tips in made)
+def same_flanks(own: Flanks, other: Flanks, rolled_mm: float) -> IndexArray:
+    """The numbers in its other mesh of an idler's flanks, which cross the pitch point there ``rolled_mm`` later."""
+    length = own.curve.length_mm
+    apart = (own.crossing_mm + rolled_mm)[:, None] - other.crossing_mm
+    return np.abs(apart - length * np.round(apart / length)).argmin(axis=1)
 
 
 def _as_low_as_both(own: Tips, other: Tips, rolled_mm: float) -> Tips:
     """An idler of one mesh, its tips no higher than in its other, where its flanks cross ``rolled_mm`` later."""
-    length = own.flanks.curve.length_mm
-    apart = (own.flanks.crossing_mm + rolled_mm)[:, None] - other.flanks.crossing_mm
-    there = np.abs(apart - length * np.round(apart / length)).argmin(axis=1)
+    there = same_flanks(own.flanks, other.flanks, rolled_mm)
     lower = held_below(own, other.flanks.tip_height_mm[there])
     return replace(lower, met_depth_mm=np.maximum(own.met_depth_mm, other.met_depth_mm[there]))
 

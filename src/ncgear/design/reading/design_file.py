@@ -6,6 +6,7 @@ Every fault has its line and column, in a mapping its key; a mapping may have ar
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -72,18 +73,23 @@ def load(path: Path) -> LoadedDesign:
     text = read_text(path, limit_mb=LARGEST_MB)
     document = read_yaml(text, str(path))
     if isinstance(document.data, dict) and "train" in document.data:
-        document = _as_machine(document)
+        document, text = _as_machine(document, text)
     return design_of(document, text, path)
 
 
-def _as_machine(document: Document) -> Document:
-    """The file of a train as that of the machine that it is, with the places of its keys; itself where it is none."""
+def _as_machine(document: Document, text: str) -> tuple[Document, str]:
+    """The file of a train and its text as those of the machine that it is; as they are where it is none.
+
+    Keys have their places in the train's file.
+    """
     file = _train_of(document).file
     keys = file.train.machine()
     if keys is None:
-        return document
+        return document, text
+    data = {"name": file.name, "description": file.description, **keys}
     places = {key.removeprefix("train."): place for key, place in document.places.items()}
-    return Document({"name": file.name, "description": file.description, **keys}, places)
+    places |= {key: places[name] for key, name in file.train.WRITTEN_AS.items() if name in places}
+    return Document(data, places), "".join(f"{key}: {json.dumps(value)}\n" for key, value in data.items())
 
 
 def parsed(text: str, path: Path) -> LoadedDesign:
@@ -104,7 +110,8 @@ def refuse_train(document: Document, needed: str) -> None:
     """Refuse the file of a train of gears if another file is needed; raises WrongInput with the commands that work."""
     if "train" in document.data:
         problem = (
-            f"the file has a train of gears, which `ncgear check`, `build` and `animate` take; this needs {needed}"
+            "the file has a train of gears, which `ncgear check`, `build` and `animate` take, and a chain also "
+            f"`strength`, `tolerance` and `report`; this needs {needed}"
         )
         raise WrongInput(problem, key="train", location=str(document.place("train")))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Mapping
 from math import radians
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
@@ -59,6 +60,9 @@ class TrainKeys(Model):
                     key="train.gears.rim_mm",
                 )
         return made
+
+    WRITTEN_AS: ClassVar[Mapping[str, str]] = {}
+    """The keys of ``machine`` that have other names in the train, by these names below ``train``."""
 
     def machine(self) -> dict[str, Any] | None:
         """The keys of the same gears in the file of one machine, by themselves, so that every command takes them.

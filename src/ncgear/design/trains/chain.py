@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import radians
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from pydantic import Field
 
@@ -40,6 +40,17 @@ class Chain(TrainKeys):
     KIND = "chain"
     RULES = ("at most one of idler_radius ratio",)
     MEANING = "a row of gears on fixed axes; each meshes with the next"
+    WRITTEN_AS: ClassVar[dict[str, str]] = {
+        "operation.speed_rpm": "speed_rpm",
+        "motion.ratio": "ratio",
+        "motion.expression_mm": "idler_radius",
+        "gears.lobes": "lobes",
+        "gears.idlers": "lobes",
+        "gears.idlers.bends_deg": "bends_deg",
+        "gears.driving.bore_mm": "gears.bore_mm",
+        "gears.driven.bore_mm": "gears.bore_mm",
+        "output.chord_tolerance_mm": "gears.chord_tolerance_mm",
+    }
 
     lobes: Annotated[Several[Lobe], Field(min_length=2, max_length=MOST_GEARS)] = required(
         "lobes of every gear, from the driving gear on, whole numbers; their count is the number of gears"

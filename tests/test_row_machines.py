@@ -1,0 +1,245 @@
+"""A row of gears as a machine of gears by themselves: ``gears.idlers``, and the train ``chain`` in every command.
+
+The judges are single round pairs with the same torque, the power of the last gear, and polygons: an idler is one gear,
+whichever of its meshes it is seen in.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from shapely import Polygon
+
+from drives import DESIGNS, drive_of_text
+from ncgear.cli.studio import studio
+from ncgear.design.reading.design_file import load, load_train, parsed
+from ncgear.design.rewritten import design_copy
+from ncgear.drawings.scene.geared_pairs import SceneGear
+from ncgear.drawings.scene.scene import scene_of_teeth
+from ncgear.errors import WrongInput
+from ncgear.numerics.arrays import Array
+from ncgear.pitch.shape import Gear
+from ncgear.project.drive import Drive
+from ncgear.project.rough_strength import rough_strength
+from ncgear.project.strengthening import rating_of
+from ncgear.project.tolerance import _mesh_and_limits, lot_of
+from ncgear.project.tolerance_limits import tolerances_of
+from ncgear.strength.holding import Damage
+from ncgear.strength.life import MEAN_STRESS
+from ncgear.trains.chain import same_flanks
+
+ROW = """\
+name: row
+operation: {{speed_rpm: 60}}
+motion: {law}
+gears:
+  teeth: 24
+  module_mm: 2
+  face_width_mm: 12
+  backlash_mm: {backlash}
+  lobes: {{driving: 1, driven: {second}}}
+  idlers: {idlers}
+resistance: {{expression_n_m: "{torque}"}}
+"""
+UNEVEN = '{law: ratio_expression, ratio: "1 + 0.25*cos(phi)", scale_to_close: true}'
+ROUND = "{law: uniform_crank}"
+BENT = "{lobes: [1, 1], bends_deg: [40, -70]}"
+
+
+@cache
+def made(idlers: str, law: str = UNEVEN, torque: str = "12", second: int = 1, backlash: float = 0.08) -> Drive:
+    return drive_of_text(ROW.format(idlers=idlers, law=law, torque=torque, second=second, backlash=backlash))
+
+
+@cache
+def single(first: int, second: int, torque: str, speed_rpm: int) -> Drive:
+    text = ROW.format(idlers="", law=ROUND, torque=torque, second=second, backlash=0.0).replace("  idlers: \n", "")
+    text = text.replace("driving: 1", f"driving: {first}").replace("teeth: 24", f"teeth: {24 * first}")
+    return drive_of_text(text.replace("speed_rpm: 60", f"speed_rpm: {speed_rpm}"))
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("idlers", [BENT, "{lobes: [2], bends_deg: [35]}"])
+def test_every_mesh_of_a_row_passes_the_power_of_the_last_gear(idlers: str) -> None:
+    drive = made(idlers)
+    phi1 = np.linspace(0.0, 6.2, 50)
+    whole = drive.transmission.driven_angle(phi1, 1)
+    angle, speed = phi1, np.ones_like(phi1)
+    for pair in drive.by_stage:
+        turned = pair.pair.transmission.driven_angle(angle, 1)
+        speed = speed * turned.derivative(1)
+        assert pair.tooth_load.torque_n_mm(angle) * speed == pytest.approx(12_000.0 * whole.derivative(1), rel=1e-9)
+        angle = turned.value
+    assert angle == pytest.approx(whole.value, abs=1e-12)
+
+
+def seen(gear: SceneGear, shafts_rad: Array) -> Polygon:
+    """A gear of the scene at one position of all shafts, shape (shafts, 1)."""
+    places = gear.places(shafts_rad)
+    points = gear.body.contours_mm[0] @ np.array([1.0, 1.0j]) * np.exp(1j * places.angle_rad[0])
+    points = points + complex(*places.origin_mm[0])
+    return Polygon(np.column_stack([points.real, points.imag]))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("idlers", [BENT, "{lobes: [2], bends_deg: [35]}"])
+def test_an_idler_is_one_gear_in_both_its_meshes_and_all_teeth_touch(idlers: str) -> None:
+    """Both outlines are chords of one curve; the scene of an even number of pairs is seen from behind."""
+    scene = scene_of_teeth(made(idlers))
+    for phi1 in (0.3, 2.0):
+        shafts = scene.shaft_angles_rad(np.array([phi1]))
+        for pair in scene.pairs:
+            one, other = seen(pair.driving, shafts), seen(pair.driven, shafts)
+            assert one.intersection(other).area < 1e-3
+            assert one.distance(other) < 0.01
+        for before, after in zip(scene.pairs, scene.pairs[1:], strict=False):
+            driven, driving = seen(before.driven, shafts), seen(after.driving, shafts)
+            assert driven.symmetric_difference(driving).area < 2e-4 * driven.length
+            assert driven.hausdorff_distance(driving) < 0.02
+
+
+@pytest.mark.slow
+def test_round_gears_of_a_row_are_as_strong_as_single_pairs_but_for_bending_both_ways() -> None:
+    """24 : 48 : 24 teeth; the idler turns at half the speed and passes on twice the torque.
+
+    In its second mesh tooth 1 stands elsewhere than in a single pair, and so do the positions computed: stresses of
+    meetings are 0.2 % off there, but for the last gear, whose largest stress is at a place that is searched.
+    """
+    row = made("{lobes: [1]}", ROUND, "12", 2, 0.0).by_stage
+    alone = single(1, 2, "24", 60), single(2, 1, "12", 30)
+    found, wanted = ([{(w.gear, w.damage): w for w in rating_of(one).weakest} for one in of] for of in (row, alone))
+    near = 1e-12, 2.5e-3
+    for mesh, pair, idler, rel in zip(found, wanted, (Gear.DRIVEN, Gear.DRIVING), near, strict=True):
+        for (gear, damage), one in mesh.items():
+            if (gear, damage) != (idler, Damage.BENDING):
+                assert one.safety == pytest.approx(pair[gear, damage].safety, rel=rel)
+    stresses = [rating_of(one).strength.stresses for one in alone]
+    assert rating_of(row[1]).strength.stresses.tension_mpa[1].max() == pytest.approx(
+        stresses[1].tension_mpa[1].max(), rel=1e-9
+    )
+    tension = stresses[0].tension_mpa[1].max(), stresses[1].tension_mpa[0].max()
+    pressed = stresses[1].compression_mpa[0].max(), stresses[0].compression_mpa[1].max()
+    for place, idler in enumerate((Gear.DRIVEN, Gear.DRIVING)):
+        both_ways = tension[place] / (tension[place] + MEAN_STRESS * pressed[place])
+        one_way = wanted[place][idler, Damage.BENDING].safety
+        assert found[place][idler, Damage.BENDING].safety == pytest.approx(both_ways * one_way, rel=0.01)
+        assert 0.65 < both_ways < 0.75
+
+
+@pytest.mark.slow
+def test_a_tooth_of_an_idler_has_one_place_in_both_meshes() -> None:
+    """Its flanks by their crossings of the pitch curve, a tooth's back with a back, in the middle of the same tooth."""
+    row = made(BENT)
+    first, second = row.by_stage[0].teeth.driven.flanks, row.by_stage[1].teeth.driving.flanks
+    there = same_flanks(first, second, row.row.rolled_mm(1))
+    back = same_flanks(second, first, -row.row.rolled_mm(1))
+    assert back[there] == pytest.approx(np.arange(there.size))
+    assert np.all(there % 2 == np.arange(there.size) % 2)
+
+
+def test_the_check_of_a_row_leaves_idlers_to_the_teeth() -> None:
+    found = rough_strength(made(BENT).by_stage[1])
+    assert found is not None
+    assert found.needs_teeth == "it needs the teeth to tell of idlers, which bend both ways"
+
+
+@pytest.mark.slow
+def test_a_train_of_a_chain_is_the_same_row_as_a_machine(tmp_path: Path) -> None:
+    file = tmp_path / "chain.yaml"
+    text = (DESIGNS / "idler-chain.yaml").read_text(encoding="utf-8")
+    file.write_text(text + "  resistance: {expression_n_m: 12 + 3*cos(x)}\n", encoding="utf-8")
+    design, train = load(file).design, load_train(file).file.train.train()
+    drive = Drive(design)
+    pitches = [pair.pitch for pair in drive.by_stage]
+    assert [pitch.center_distance_mm for pitch in pitches] == train.told.figures["center_distances_mm"]
+    low, high = drive.transmission.ratio_range
+    assert (low.value, high.value) == (train.told.figures["ratio_min"], train.told.figures["ratio_max"])
+    assert design.gears is not None
+    assert (design.gears.driving.bore_mm, design.output.chord_tolerance_mm) == (10.0, 0.005)
+    assert drive.machine.load.backwards_n(np.array([0.0]), np.array([False])) == pytest.approx([15_000.0])
+
+
+def test_a_chain_is_written_for_others_as_the_file_of_a_machine() -> None:
+    """As sweeps write their best designs, and reports show the file."""
+    loaded = load(DESIGNS / "idler-chain.yaml")
+    again = parsed(design_copy(loaded, {"gears.teeth": 40}), Path("machine.yaml")).design
+    assert again.gears is not None
+    assert loaded.design.gears is not None
+    assert again.gears == loaded.design.gears.model_copy(update={"teeth": 40})
+    assert again.motion == loaded.design.motion
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "said"),
+    [
+        ("teeth: 36", "teeth: 37", 11, ""),
+        ("[40, -70]", "[40]", 7, "1 given for 2 idlers"),
+    ],
+)
+def test_faults_of_a_chain_have_their_places(tmp_path: Path, old: str, new: str, line: int, said: str) -> None:
+    file = tmp_path / "chain.yaml"
+    file.write_text((DESIGNS / "idler-chain.yaml").read_text(encoding="utf-8").replace(old, new), encoding="utf-8")
+    if not said:
+        assert load(file).source.place("gears.teeth").line == line
+        return
+    with pytest.raises(WrongInput, match=said) as wrong:
+        load(file)
+    assert f"chain.yaml:{line}:" in str(wrong.value)
+
+
+@pytest.mark.parametrize(
+    ("changed", "key"),
+    [
+        ("gears:\n  pairs: 2", "gears.pairs"),
+        ("gears:\n  method: equivalent_gear", "gears.method"),
+        ("gears:\n  material: {driving: C45, driven: POM}", "gears.material"),
+        ("gears:\n  driving: {bore_mm: 10}", "gears.driven"),
+        ("gears:\n  backlash_deg: 0.1", "gears.backlash_deg"),
+        ("masses: {shaft_kg_mm2: 1}\ngears:", "masses"),
+        ("strength: {overload: {driving_torque_n_m: 20, times: 5}}\ngears:", "strength.overload"),
+    ],
+)
+def test_keys_of_one_pair_are_refused_for_a_row(changed: str, key: str) -> None:
+    text = ROW.format(idlers=BENT, law=UNEVEN, torque="12", second=1, backlash=0.0).replace("  backlash_mm: 0.0\n", "")
+    with pytest.raises(WrongInput) as wrong:
+        drive_of_text(text.replace("gears:", changed))
+    assert wrong.value.key == key
+    assert "not offered for a row of gears with idlers" in wrong.value.problem
+
+
+@pytest.mark.thorough
+def test_a_torque_that_other_gears_do_not_meet_again_is_refused() -> None:
+    """The last gear has two lobes: one lobe of others meets either half of its turn."""
+    assert made("{lobes: [2]}", UNEVEN, "12 + sin(2*x)").check.peak_power_w.value > 0.0
+    with pytest.raises(WrongInput, match="repeats every 180 deg") as wrong:
+        _ = made("{lobes: [2]}", UNEVEN, "12 + sin(x)").check
+    assert wrong.value.key == "resistance"
+
+
+@pytest.mark.thorough
+def test_the_studio_says_what_it_edits_in_place_of_a_train() -> None:
+    with pytest.raises(WrongInput, match=r"the studio edits machines: gears\.idlers"):
+        studio(DESIGNS / "idler-chain.yaml")
+
+
+@pytest.mark.thorough
+def test_teeth_with_other_chords_stand_where_the_teeth_of_the_row_stand() -> None:
+    """As assemblies are compared with finer outlines, and speeds with errors."""
+    pair = made("{lobes: [1]}").by_stage[1]
+    finer = pair.toothed(pair.chord_tolerance_mm / 4.0)
+    for gear in Gear:
+        coarse, fine = (Polygon(one.of(gear).outline_mm) for one in (pair.teeth, finer))
+        assert coarse.hausdorff_distance(fine) < 2.0 * pair.chord_tolerance_mm
+
+
+@pytest.mark.slow
+def test_assemblies_of_a_row_have_no_keyways_in_idlers_and_want_gears_that_turn_alike() -> None:
+    drive = made(BENT)
+    given, _ = tolerances_of(drive)
+    found = [_mesh_and_limits(pair, given)[1].index_rad for pair in drive.by_stage]
+    assert [(one[0] > 0.0, one[1] > 0.0) for one in found] == [(True, False), (False, False), (False, True)]
+    with pytest.raises(WrongInput, match="whose gears turn alike"):
+        lot_of(made("{lobes: [2]}"), given)
