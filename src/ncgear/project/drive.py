@@ -321,19 +321,19 @@ class Drive(Geared):
         into each other, and as ``require_sound_teeth`` and ``tooth_load`` do.
         """
         from ncgear.dynamics.gaps import WITHIN_IN_MODULES
-        from ncgear.project.forces import pressed_modules
+        from ncgear.project.forces import followed_modules
 
         width_mm, module_mm = self.gears.face_width_mm, self.pitch.size.module_mm
         with located(self.places):
             self.require_sound_teeth()
             with self.stopwatch("load of every tooth"):
-                within = pressed_modules(self.tooth_load, width_mm, materials, module_mm)
+                within = followed_modules(self.tooth_load, width_mm, materials, module_mm)
                 try:
                     return self._loading_within(within, methods, materials)
                 except NoSuchMechanism:
                     if within == WITHIN_IN_MODULES:
                         raise
-                    # Harder knocks and jams press teeth deeper.
+                    # A jam, or softer teeth, are pressed deeper.
                     return self._loading_within(WITHIN_IN_MODULES, methods, materials)
 
     def _loading_within(

@@ -11,7 +11,7 @@ import numpy as np
 from ncgear.contact.placement import BOTH_SIDES
 from ncgear.design.keys.masses import Simulation
 from ncgear.dynamics.crank_load import CrankLoad, crank_load
-from ncgear.dynamics.flank_changes import HARDEST, BorneTorque, borne_torque
+from ncgear.dynamics.flank_changes import BorneTorque, borne_torque
 from ncgear.dynamics.gaps import LEAST_IN_MODULES, PER_TOOTH, WITHIN_IN_MODULES, Gaps, gaps_of
 from ncgear.dynamics.loaded_machine import RigidMachine
 from ncgear.dynamics.meshing import Friction, Impact, Meshing
@@ -91,15 +91,17 @@ def meshing_of(
     return Meshing(law_table(pitch.transmission), Gaps.beside(parts), impact, friction_of(given), key or None)
 
 
-SOFTEST_TEETH = 0.5
-"""Stiffness of a pair of teeth, as a share of ISO_N_MM_UM, below which it hardly ever is."""
+DEEPER = 40.0
+"""How many times as deep teeth are followed as their load would press a pair with the stiffness of ISO_N_MM_UM."""
 
 
-def pressed_modules(load: ToothLoad, face_width_mm: float, materials: Sequence[Material], module_mm: float) -> float:
-    """Depth in modules to which a load, even in knocks, hardly ever presses teeth into each other."""
+def followed_modules(load: ToothLoad, face_width_mm: float, materials: Sequence[Material], module_mm: float) -> float:
+    """Depth in modules to which teeth are followed under a load; with masses, which may knock, the greatest depth."""
+    if load.load == "masses":
+        return WITHIN_IN_MODULES
     modulus = min(one.youngs_modulus_mpa for one in materials)
-    stiffness = SOFTEST_TEETH * 1e3 * ISO_N_MM_UM * modulus / STEEL_MPA * face_width_mm
-    return min(max(HARDEST * load.peak_n / stiffness / module_mm, LEAST_IN_MODULES), WITHIN_IN_MODULES)
+    pressed_mm = load.peak_n / (1e3 * ISO_N_MM_UM * modulus / STEEL_MPA * face_width_mm)
+    return min(max(DEEPER * pressed_mm / module_mm, LEAST_IN_MODULES), WITHIN_IN_MODULES)
 
 
 def friction_of(given: Simulation) -> Friction:
