@@ -108,8 +108,8 @@ PAUSES = 0.64
 LUBRICATED_FRICTION = {"oil": 0.04, "grease": 0.09}
 PLASTICS_FRICTION = {("POM", "POM"): 0.28, ("PA66", "PA66"): 0.4, ("PA66", "POM"): 0.18}
 OTHER_FRICTION = 0.4
-"""Coefficients of friction: lubricated, of dry plastics on each other by their formulas of strength (VDI 2736-2), and of
-others: own choice, because it is the largest of these."""
+"""Coefficients of friction: lubricated, of dry plastics on each other by their formulas of strength (VDI 2736-2), and
+of others: own choice, because it is the largest of these."""
 
 
 def friction(choices: tuple[Choice, Choice], lubrication: str) -> float:
