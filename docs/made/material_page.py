@@ -106,10 +106,11 @@ TEMPERATURES = 20.0, 40.0, 60.0, 80.0, 100.0
 HEAT = """\
 ### Temperature of the teeth
 
-T = T<sub>0</sub> + P k / (b z (v m)<sup>0.75</sup>) ED<sup>0.64</sup> after Hachmann and Strickle as in VDI 2736-2, with the power P in W
-that friction takes on the loaded flanks, width b and module m in mm, speed v along the pitch curves in m/s. k is 6300
-at flanks and 895 at roots where one gear is of metal, 9000 and 2148 where both are of plastic, in open gears. ED,
-`strength.duty_cycle`, is the largest share of ten minutes in which they run. Teeth in oil have the oil's temperature. Coefficients of friction:
+T = T<sub>0</sub> + P k / (b z (v m)<sup>0.75</sup>) ED<sup>0.64</sup> after Hachmann and Strickle as in VDI 2736-2,
+with the power P in W that friction takes on the loaded flanks, width b and module m in mm, speed v along the pitch
+curves in m/s. k is 6300 at flanks and 895 at roots where one gear is of metal, 9000 and 2148 where both are of
+plastic, in open gears. ED, `strength.duty_cycle`, is the largest share of ten minutes in which they run. Teeth in oil
+have the oil's temperature. Coefficients of friction:
 """
 
 PRINTED = """\

@@ -102,19 +102,19 @@ class BorneTorque:
         """
         torque = asked = self.asked(phi1_rad)
         for one in (self, *self.others):
-            again = one._followed(phi1_rad, asked)
+            again = one._own(phi1_rad, asked)
             torque = np.where(np.abs(again) > np.abs(torque), again, torque)
         return torque
 
-    def _followed(self, phi1_rad: Array, asked: Array) -> Array:
-        """The torque of this run at driving angles, ``asked`` where it was not followed, shape (n,)."""
+    def _own(self, phi1_rad: Array, asked: Array) -> Array:
+        """The larger of the ``asked`` torque at driving angles and this run's own, shape (n,)."""
         if not self.phi1_rad.size:
             return asked
         torque, first = asked, self.phi1_rad[0] + (phi1_rad - self.phi1_rad[0]) % self.cycle_rad
         for place in (first, first + self.cycle_rad):
             followed = np.interp(place, self.phi1_rad, self.torque_n_mm, left=np.nan, right=np.nan)
             torque = np.where(np.isnan(followed), torque, followed)
-        return torque
+        return np.where(np.abs(torque) > np.abs(asked), torque, asked)
 
 
 def borne_torque(

@@ -226,6 +226,15 @@ def smallest_gears(drive: Drive, space: GearRoom, on_trial: OnTrial = lambda don
     return sorted(least, key=lambda one: one.volume_mm3)
 
 
+def _narrowest_mm(module_mm: float) -> float:
+    return float(ceil(NARROWEST_MODULES * module_mm - 1e-9))
+
+
+def may_be_narrower(one: Sized) -> bool:
+    """Whether a helix can be cut into straight teeth that are wider than the narrowest."""
+    return may_be_helical(one.drive) and one.face_width_mm > _narrowest_mm(one.module_mm)
+
+
 def in_herringbone(one: Sized) -> Sized | None:
     """The same teeth as herringbones, which carry more, in the least of a few widths that were computed and hold.
 
@@ -233,9 +242,9 @@ def in_herringbone(one: Sized) -> Sized | None:
     gears that turn less than once, other methods, keys of the process), where the design gives a helix angle, or where
     the tried teeth are not narrower.
     """
-    drive = one.drive
-    if not may_be_helical(drive):
+    if not may_be_narrower(one):
         return None
+    drive = one.drive
 
     def herringbone(angle_deg: float, width_mm: float) -> Changes:
         return {**one.changes, **with_helix(angle_deg, "herringbone"), "gears.face_width_mm": width_mm}
@@ -248,7 +257,7 @@ def in_herringbone(one: Sized) -> Sized | None:
     if not straight or not (better := max(shares.values(), default=0.0)) > straight:
         return None
     angle = max(shares, key=lambda key: shares[key])
-    below, above = ceil(NARROWEST_MODULES * one.module_mm - 1e-9) - 1.0, one.face_width_mm
+    below, above = _narrowest_mm(one.module_mm) - 1.0, one.face_width_mm
     guess, best = above / (one.share * better / straight), None
     for _ in range(TRIES):
         if above - below <= 1.0:

@@ -102,7 +102,7 @@ def hours_of_strokes(strokes: float, stroke_rad: float, speed_rad_s: float) -> f
 
 
 GRADE = 8
-"""Accuracy grade for factors where the design gives no grade."""
+"""Accuracy grade for factors where the design gives no grade: own choice, because usual hobbing keeps it."""
 
 HEIGHT_MODULES = 2.25
 

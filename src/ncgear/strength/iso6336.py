@@ -151,10 +151,10 @@ def single_stiffness_theoretical(teeth: Real, shift: Real) -> Real:
 
 THICK_RIM, THIN_RIM = (1.2, 0.5), (3.5, 1.75)
 """The walls under the roots above which a rim weakens no root, and the thinnest walls with a known factor: of external
-teeth in tooth heights, of a ring in modules."""
+teeth in tooth heights, of a ring in modules (ISO 6336-3)."""
 
 THINNEST_WEB = 0.2
-"""Share of the face width under which the stiffness of a web is not known."""
+"""Share of the face width under which the stiffness of a web is not known: the range of C_R in ISO 6336-1."""
 
 
 def rim_factor(wall_mm: Real, height_mm: float, module_mm: float, *, internal: bool) -> Real:

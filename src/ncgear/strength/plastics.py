@@ -103,12 +103,13 @@ MIXED, ALIKE = (6300.0, 895.0), (9000.0, 2148.0)
 """Coefficients k of the temperatures of flank and root in K (m/s)^0.75 mm^1.75 / W: plastic on metal, on plastic."""
 
 PAUSES = 0.64
-"""Exponent of the share of ten minutes in which gears run."""
+"""Exponent of the share of ten minutes in which gears run (VDI 2736-2)."""
 
 LUBRICATED_FRICTION = {"oil": 0.04, "grease": 0.09}
 PLASTICS_FRICTION = {("POM", "POM"): 0.28, ("PA66", "PA66"): 0.4, ("PA66", "POM"): 0.18}
 OTHER_FRICTION = 0.4
-"""Coefficients of friction: lubricated, of dry plastics on each other by their formulas of strength, and of others."""
+"""Coefficients of friction: lubricated, of dry plastics on each other by their formulas of strength (VDI 2736-2), and
+of others: own choice, because it is the largest of these."""
 
 
 def friction(choices: tuple[Choice, Choice], lubrication: str) -> float:

@@ -144,7 +144,7 @@ def _not_judged(drive: Drive, found: RoughStrength) -> NotJudged | None:
         near = "very roughly" if found.needs_teeth else "about"
         told = f"a safety of {near} {to_digits(least.safety, 2)} against {rough_damage(found, least)}"
         return NotJudged(f"{found.unjudged}; all that is known is {told}, {least.wanted:g} wanted")
-    return NotJudged(found.needs_teeth) if found.needs_teeth else None
+    return NotJudged(found.needs_teeth or found.jam_needs_teeth) if not found.holds else None
 
 
 TOGETHER = Remedy("make teeth larger and gears wider together, or reduce their load")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import radians
 from typing import Literal
 
 from ncgear.design.keys.base import listed
@@ -30,8 +31,8 @@ from ncgear.figures.strong import (
     weakest_cells,
 )
 from ncgear.project.drive import Drive
-from ncgear.project.sizing import Sized
-from ncgear.project.strengthening import Rating
+from ncgear.project.sizing import Sized, may_be_narrower
+from ncgear.project.strengthening import HELIX_DEG, Rating, largest_thrust_n
 
 HOLD_NOT = "The teeth do not hold: these are under the wanted safety, the weakest first"
 
@@ -118,11 +119,21 @@ def _about(drive: Drive, rating: Rating) -> list[Row]:
     return [Row(f"{drive.of}{name}", (words,)) for name, words in rows if words]
 
 
-def _herringbone_words(one: Sized | Literal["none"]) -> str:
-    """How wide herringbone teeth are that do for the first gears, and their keys."""
-    if one == "none":
-        return "none that is narrower was found, or none can be made"
-    return f"{one.face_width_mm:g} mm wide: {', '.join(map(str, changed(one.changes)))}"
+def _helical_words(first: Sized, herringbone: Sized | Literal["none", False]) -> str:
+    """What a helix does for the first gears: herringbone teeth that were found, or the offer to look for them."""
+    if herringbone == "none":
+        return "no herringbone teeth that are narrower were found, or none can be made"
+    if herringbone:
+        keys = ", ".join(map(str, changed(herringbone.changes)))
+        return f"herringbone teeth that are {herringbone.face_width_mm:g} mm wide do: {keys}"
+    if not may_be_narrower(first):
+        return ""
+    angle = HELIX_DEG[0]
+    thrust = to_digits(largest_thrust_n(first.drive, first.rating, radians(angle)), 2)
+    return (
+        f"may do with less width: --herringbone finds how much less, without thrust; helical teeth of {angle:g} deg "
+        f"thrust up to {thrust} N along the shafts"
+    )
 
 
 def sized_answer(
@@ -154,7 +165,7 @@ def sized_answer(
             Row("material", (materials_words(first.drive, strength),)),
             Row("wanted", (f"safeties of {listed(wanted, 'and')}",)),
             Row("first", (", ".join(map(str, changed(first.changes))),)),
-            *([Row("herringbone", (_herringbone_words(herringbone),))] if herringbone else []),
+            *([Row("helix", (helix,))] if (helix := _helical_words(first, herringbone)) else []),
             *([Row("left out", (f"{listed(left_out, 'and')}: of other gears",))] if left_out else []),
         ),
         tuple(faults),
