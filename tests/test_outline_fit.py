@@ -25,7 +25,7 @@ from ncgear.optimum.outline.phases import best_phases
 from ncgear.optimum.outline.rolled import MatePlace, Rolled, SplineBasis, closing_distance_mm, rays
 from ncgear.project.drive import Drive
 from ncgear.project.outline_fit import OutlineFit
-from ncgear.project.outline_trial import control_points
+from ncgear.project.outline_trial import Made, between, control_points
 
 GEARS = "driving", "driven"
 
@@ -398,6 +398,17 @@ def test_a_fit_is_offered_for_what_it_takes() -> None:
         more = f", lobes: {{driving: {lobes}}}" if lobes else ""
         text = CORNERED.replace("face_width_mm: 8", f"face_width_mm: 8{more}{mesh}")
         assert ncgear.loads(text).design.can_be_fitted is fits
+
+
+def test_limits_between_two_pairs_are_half_way_where_contact_failed_and_the_wider_ones_elsewhere() -> None:
+    circle = rolled(lambda phi: 30.0 + 0.0 * phi)
+    drive = ncgear.loads(CORNERED)
+    kept = Made(circle, CurveLimits(share=np.where(circle.phi_rad < 5.0, 0.8, 1.05)), drive, {})
+    refused = replace(kept, limits=CurveLimits(), lacking=np.array([[30.0 * pi / 2.0, 0.2]]))
+    share = np.interp([pi / 2.0, pi, 6.0], circle.phi_rad, between(kept, refused).share)
+    assert share == pytest.approx([0.9, 1.0, 1.05], abs=5e-3)
+    nowhere = replace(refused, lacking=np.empty((0, 2)))
+    assert between(kept, nowhere).share == pytest.approx((np.asarray(kept.limits.share) + 1.0) / 2.0)
 
 
 def turning(folder: Path) -> tuple[float, float]:

@@ -24,6 +24,7 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.outline.conditions import CurveLimits, Subject, conditions
 from ncgear.optimum.outline.nearest import (
+    LOOSE,
     Deviation,
     away_mm,
     coefficients_for,
@@ -33,7 +34,7 @@ from ncgear.optimum.outline.nearest import (
     polar_angle,
 )
 from ncgear.optimum.outline.outline import Outline, outline_of
-from ncgear.optimum.outline.programme import MateWanted, OutlineAim
+from ncgear.optimum.outline.programme import MateWanted, OutlineAim, missed
 from ncgear.optimum.outline.rolled import Rolled, SplineBasis
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -371,15 +372,18 @@ def _with_teeth(curve: Rolled, teeth: int) -> Rolled:
 
 
 def _next_sizes(outline: Outline, made: Made, wanted: OutlineAim) -> tuple[NextSize, ...]:
-    """The results with more teeth of a smaller module, from the curve that was found."""
+    """The results with more teeth of a smaller module, from the curve that was found; none whose conditions fail."""
     sizes = list[NextSize]()
     share = np.broadcast_to(made.limits.share, made.curve.arc_mm.shape)
     for times in NEXT_TEETH:
         start = _with_teeth(made.curve, round(times * made.curve.teeth))
         kept = np.interp(start.phi_rad, made.curve.phi_rad, share, period=2.0 * pi)
+        limits = replace(made.limits, share=kept)
         try:
-            found = nearest_curve(outline, start.teeth, replace(made.limits, share=kept), wanted, start=start)
+            found = nearest_curve(outline, start.teeth, limits, wanted, start=start)
         except NoSuchMechanism:
+            continue
+        if missed(found, limits, wanted) > LOOSE:
             continue
         away = deviation(outline, found)
         size = NextSize(found.teeth, found.module_mm, away.root_mean_square_mm, away.greatest_mm)

@@ -20,7 +20,7 @@ from ncgear.optimum.outline.rolled import MatePlace, Rolled, SplineBasis, closin
 FEWEST_COEFFICIENTS, MOST_COEFFICIENTS = 48, 250
 """Coefficients of a curve with few teeth, and with many; between them there is a coefficient for each tooth."""
 
-HEATS, HEATS_OF_TWO = ((8, 2), (3, 4), (1, 20)), ((8, 6), (3, 8), (1, 20))
+HEATS, HEATS_OF_TWO = ((8, 2), (3, 4), (1, 20)), ((8, 6), (3, 20), (1, 20))
 """Rounds: numbers of curves that enter each, best first, and programmes for each curve.  Two outlines need more rounds,
 since their turn against each other shows later than an axis alone."""
 
@@ -45,8 +45,9 @@ GAIN = 3e-4
 MISSED = 4.0
 """Cost of violating a condition by 1, against distances in sizes of the outline."""
 
-KEPT = 2e-3
-"""Largest final violation of a condition: far below the accuracy of the limits."""
+KEPT, LOOSE = 2e-3, 1e-2
+"""Largest final violation of a condition, far below the accuracy of the limits, and that of a curve that counts at all.
+"""
 
 MEASURED, ROUGHLY = 6000, 1000
 """Points of outline and curve, even by arc length, for distances of the final and of intermediate curves."""
@@ -148,7 +149,7 @@ def nearest_curve(
         curves = [_better(outline, one, limits, wanted, rounds, FIRST_STEP) for one in curves]
     found = curves[0]
     off = missed(found, limits, wanted)
-    if off > 5.0 * KEPT:
+    if off > LOOSE:
         raise NoSuchMechanism(
             f"no pitch curve near the outline was found on which {teeth} teeth can stand: "
             f"{_most_missed(found, limits)}; an axis elsewhere, a rounder outline, or more teeth of a smaller module "

@@ -257,7 +257,7 @@ def _values(curve: Rolled, limits: CurveLimits) -> Array:
 
 def _unknowns(curve: Rolled, widths: Mapping[str, int]) -> Array:
     """The unknowns of a curve, without slack, in the order of ``widths``."""
-    known = {"radius": curve.coefficients, "axis": curve.axis_mm}
+    known: dict[str, Array | float] = {"radius": curve.coefficients, "axis": curve.axis_mm}
     known |= {"distance": curve.center_distance_mm, "module": curve.module_mm}
     if (place := curve.mate_place) is not None:
         known |= {"mate_axis": place.axis_mm, "mate_turn": place.turned_rad, "mate_scale": place.scale}
