@@ -147,10 +147,8 @@ def test_the_check_of_a_row_leaves_idlers_to_the_teeth() -> None:
 
 
 @pytest.mark.slow
-def test_a_train_of_a_chain_is_the_same_row_as_a_machine(tmp_path: Path) -> None:
-    file = tmp_path / "chain.yaml"
-    text = (DESIGNS / "idler-chain.yaml").read_text(encoding="utf-8")
-    file.write_text(text + "  resistance: {expression_n_m: 12 + 3*cos(x)}\n", encoding="utf-8")
+def test_a_train_of_a_chain_is_the_same_row_as_a_machine() -> None:
+    file = DESIGNS / "idler-chain.yaml"
     design, train = load(file).design, load_train(file).file.train.train()
     drive = Drive(design)
     pitches = [pair.pitch for pair in drive.by_stage]
@@ -243,3 +241,11 @@ def test_assemblies_of_a_row_have_no_keyways_in_idlers_and_want_gears_that_turn_
     assert [(one[0] > 0.0, one[1] > 0.0) for one in found] == [(True, False), (False, False), (False, True)]
     with pytest.raises(WrongInput, match="whose gears turn alike"):
         lot_of(made("{lobes: [2]}"), given)
+
+
+def test_a_key_of_another_kind_of_train_names_the_kind(tmp_path: Path) -> None:
+    file = tmp_path / "chain.yaml"
+    file.write_text((DESIGNS / "idler-chain.yaml").read_text(encoding="utf-8") + "  arms: 2\n", encoding="utf-8")
+    with pytest.raises(WrongInput, match="unknown key of kind chain; kind: planetary has it") as wrong:
+        load_train(file)
+    assert wrong.value.key == "train.arms"
