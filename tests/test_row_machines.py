@@ -28,7 +28,7 @@ from ncgear.project.strengthening import rating_of
 from ncgear.project.tolerance import _mesh_and_limits, lot_of
 from ncgear.project.tolerance_limits import tolerances_of
 from ncgear.strength.holding import Damage
-from ncgear.strength.life import MEAN_STRESS
+from ncgear.strength.life import MEAN_STRESS, pressed_mpa
 from ncgear.trains.chain import same_flanks
 
 ROW = """\
@@ -138,6 +138,29 @@ def test_a_tooth_of_an_idler_has_one_place_in_both_meshes() -> None:
     back = same_flanks(second, first, -row.row.rolled_mm(1))
     assert back[there] == pytest.approx(np.arange(there.size))
     assert np.all(there % 2 == np.arange(there.size) % 2)
+
+
+@pytest.mark.slow
+def test_a_root_is_pressed_by_the_load_of_the_same_tooth_in_the_other_mesh() -> None:
+    """Teeth are found again by their angles on the idler: as the driving gear it is seen from its other side, and the
+    place that faces the first axis at 0 faces the next axis after 180 - 40 deg."""
+    one, two = made(BENT).by_stage[:2]
+    first, second = one.teeth.driven.flanks, two.teeth.driving.flanks
+    seen = [np.angle(flanks.curve.at_length(flanks.crossing_mm).position @ [1.0, 1.0j]) for flanks in (first, second)]
+    turned = np.exp(1j * (np.pi - seen[0] - np.radians(140.0)))
+    there = np.abs(turned[:, None] - np.exp(1j * seen[1])).argmin(axis=1)
+    assert np.abs(turned - np.exp(1j * seen[1][there])).max() < 1e-6
+    alone = [pair._judged_alone("estimate").strength for pair in (one, two)]
+    pressed = [
+        pressed_mpa(found.stresses.compression_mpa[place], found.contacts.on(gear).flank, 24)
+        for found, place, gear in ((alone[0], 1, Gear.DRIVEN), (alone[1], 0, Gear.DRIVING))
+    ]
+    assert one._pressed_elsewhere(Gear.DRIVEN, "estimate") == pytest.approx(pressed[1][there])
+    from_second = two._pressed_elsewhere(Gear.DRIVING, "estimate")
+    assert from_second is not None
+    assert from_second[there] == pytest.approx(pressed[0])
+    assert one._pressed_elsewhere(Gear.DRIVING, "estimate") is None
+    assert np.ptp(pressed[1][pressed[1] > 0.0]) > 5.0
 
 
 def test_the_check_of_a_row_leaves_idlers_to_the_teeth() -> None:
