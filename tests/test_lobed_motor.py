@@ -15,6 +15,7 @@ import trimesh
 from mpmath import mp, mpf
 from shapely import LineString, Point, Polygon
 
+from drives import train_of
 from ncgear.design.reading.design_file import load_train
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.files.train import build_train
@@ -364,3 +365,12 @@ def test_worked_files_are_built_and_keep_every_condition(name: str) -> None:
             area -= pi * part.bore_mm**2 / 4.0
         assert solid.is_watertight
         assert solid.volume == pytest.approx(area * part.face_width_mm, rel=1e-3)
+
+
+@pytest.mark.slow
+def test_a_shift_that_parts_the_teeth_is_named_before_their_number() -> None:
+    """14 teeth with -0.9 modules of shift; without a shift the same teeth follow each other (1.37)."""
+    far = train_of("lobed-motor", (("  gears:\n", "  gears:\n    planet_shift: -0.9\n"),))
+    (fault,) = (one for one in far.told.conditions if one.holds is False)
+    assert (fault.name, fault.cures[0]) == ("contact ratio", "train.gears.planet_shift nearer to 0")
+    assert all(one.holds for one in train_of("lobed-motor").told.conditions)

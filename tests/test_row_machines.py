@@ -28,7 +28,7 @@ from ncgear.project.strengthening import rating_of
 from ncgear.project.tolerance import _mesh_and_limits, lot_of
 from ncgear.project.tolerance_limits import tolerances_of
 from ncgear.strength.holding import Damage
-from ncgear.strength.life import MEAN_STRESS
+from ncgear.strength.life import MEAN_STRESS, pressed_mpa
 from ncgear.trains.chain import same_flanks
 
 ROW = """\
@@ -140,6 +140,29 @@ def test_a_tooth_of_an_idler_has_one_place_in_both_meshes() -> None:
     assert np.all(there % 2 == np.arange(there.size) % 2)
 
 
+@pytest.mark.slow
+def test_a_root_is_pressed_by_the_load_of_the_same_tooth_in_the_other_mesh() -> None:
+    """Teeth are found again by their angles on the idler: as the driving gear it is seen from its other side, and the
+    place that faces the first axis at 0 faces the next axis after 180 - 40 deg."""
+    one, two = made(BENT).by_stage[:2]
+    first, second = one.teeth.driven.flanks, two.teeth.driving.flanks
+    seen = [np.angle(flanks.curve.at_length(flanks.crossing_mm).position @ [1.0, 1.0j]) for flanks in (first, second)]
+    turned = np.exp(1j * (np.pi - seen[0] - np.radians(140.0)))
+    there = np.abs(turned[:, None] - np.exp(1j * seen[1])).argmin(axis=1)
+    assert np.abs(turned - np.exp(1j * seen[1][there])).max() < 1e-6
+    alone = [pair._judged_alone("estimate").strength for pair in (one, two)]
+    pressed = [
+        pressed_mpa(found.stresses.compression_mpa[place], found.contacts.on(gear).flank, 24)
+        for found, place, gear in ((alone[0], 1, Gear.DRIVEN), (alone[1], 0, Gear.DRIVING))
+    ]
+    assert one._pressed_elsewhere(Gear.DRIVEN, "estimate") == pytest.approx(pressed[1][there])
+    from_second = two._pressed_elsewhere(Gear.DRIVING, "estimate")
+    assert from_second is not None
+    assert from_second[there] == pytest.approx(pressed[0])
+    assert one._pressed_elsewhere(Gear.DRIVING, "estimate") is None
+    assert np.ptp(pressed[1][pressed[1] > 0.0]) > 5.0
+
+
 def test_the_check_of_a_row_leaves_idlers_to_the_teeth() -> None:
     found = rough_strength(made(BENT).by_stage[1])
     assert found is not None
@@ -147,10 +170,8 @@ def test_the_check_of_a_row_leaves_idlers_to_the_teeth() -> None:
 
 
 @pytest.mark.slow
-def test_a_train_of_a_chain_is_the_same_row_as_a_machine(tmp_path: Path) -> None:
-    file = tmp_path / "chain.yaml"
-    text = (DESIGNS / "idler-chain.yaml").read_text(encoding="utf-8")
-    file.write_text(text + "  resistance: {expression_n_m: 12 + 3*cos(x)}\n", encoding="utf-8")
+def test_a_train_of_a_chain_is_the_same_row_as_a_machine() -> None:
+    file = DESIGNS / "idler-chain.yaml"
     design, train = load(file).design, load_train(file).file.train.train()
     drive = Drive(design)
     pitches = [pair.pitch for pair in drive.by_stage]
@@ -243,3 +264,11 @@ def test_assemblies_of_a_row_have_no_keyways_in_idlers_and_want_gears_that_turn_
     assert [(one[0] > 0.0, one[1] > 0.0) for one in found] == [(True, False), (False, False), (False, True)]
     with pytest.raises(WrongInput, match="whose gears turn alike"):
         lot_of(made("{lobes: [2]}"), given)
+
+
+def test_a_key_of_another_kind_of_train_names_the_kind(tmp_path: Path) -> None:
+    file = tmp_path / "chain.yaml"
+    file.write_text((DESIGNS / "idler-chain.yaml").read_text(encoding="utf-8") + "  arms: 2\n", encoding="utf-8")
+    with pytest.raises(WrongInput, match="unknown key of kind chain; kind: planetary has it") as wrong:
+        load_train(file)
+    assert wrong.value.key == "train.arms"

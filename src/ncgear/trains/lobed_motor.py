@@ -342,7 +342,7 @@ def _told(
             "tooth_force_max_n": force.value,
         }
     head = f"lobed motor, {curves.sun_lobes} by {curves.ring_lobes} lobes, {curves.planets} planets"
-    return TrainFigures(head, tuple(rows), figures, _conditions(gears, min(one.radius_mm for one in ports)))
+    return TrainFigures(head, tuple(rows), figures, _conditions(gears, min(one.radius_mm for one in ports), teeth))
 
 
 L_PER_CM3 = 1e-3
@@ -363,14 +363,15 @@ def _over_a_cycle(chambers: Chambers) -> list[dict[str, float]]:
     ]
 
 
-def _conditions(gears: MotorGears, port_mm: float) -> tuple[TrainCondition, ...]:
+def _conditions(gears: MotorGears, port_mm: float, teeth: MotorTeeth) -> tuple[TrainCondition, ...]:
+    cures = CURES if teeth.planet_shift_mm == 0.0 else ("train.gears.planet_shift nearer to 0", *CURES)
     sealed = port_mm > 0.0
     covered = "planets cover every port at the dead spaces beside it"
     if not sealed:
         covered = f"no planet covers a port at both dead spaces beside it: they miss it by {-port_mm:.3g} mm"
     return (
         TrainCondition("dead spaces", sealed, covered, () if sealed else ("larger planets: fewer teeth per lobe",)),
-        contact_condition(gears.contact_ratio, *CURES),
+        contact_condition(gears.contact_ratio, *cures),
     )
 
 

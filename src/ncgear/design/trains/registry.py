@@ -49,6 +49,10 @@ def train_model(data: Mapping[str, Any]) -> type[TrainFile]:
     if not isinstance(kind, str) or kind not in KINDS:
         said = "missing" if kind is None else f"{quoted(kind)} given"
         raise WrongInput(f"{said}; {listed(KINDS)} is needed", key="train.kind")
+    known = KINDS[kind].model_fields
+    for key in given if isinstance(given, Mapping) else ():
+        if key not in known and (others := [name for name, one in KINDS.items() if key in one.model_fields]):
+            raise WrongInput(f"unknown key of kind {kind}; kind: {listed(others)} has it", key=f"train.{key}")
     return _model_of(kind)
 
 
