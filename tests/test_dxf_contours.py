@@ -123,6 +123,22 @@ def beside_what_is_off(space: Any) -> None:
     space.add_solid([(0, 0), (1, 0), (0, 1)])
 
 
+def beside_what_is_not_plotted(space: Any) -> None:
+    circle(space)
+    space.doc.layers.add("construction").dxf.plot = 0
+    for name in ("construction", "DEFPOINTS"):
+        space.add_line((0, 0), (5, 5), dxfattribs={"layer": name})
+
+
+def twice(space: Any) -> None:
+    """The sides and ends of a slot, each drawn twice, the sides in both senses."""
+    for x, y in ((-8.0, -20.0), (12.0, 20.0)):
+        for end in ((-x + 4.0, y), (x, y)):
+            space.add_line(end, (4.0 - end[0], y))
+        space.add_arc((4.0 - x, 0.0), 20.0, *((270.0, 90.0) if x < 0.0 else (90.0, 270.0)))
+        space.add_arc((4.0 - x, 0.0), 20.0, *((270.0, 90.0) if x < 0.0 else (90.0, 270.0)))
+
+
 @pytest.mark.parametrize(
     ("add", "version", "expected_mm", "within"),
     [
@@ -131,8 +147,18 @@ def beside_what_is_off(space: Any) -> None:
         (weightless, "R2010", 51.334759, 1e-6),
         (in_a_block, "R2010", 54.047662, 1e-6),
         (beside_what_is_off, "R2010", 60.149534, 1e-6),
+        (beside_what_is_not_plotted, "R2010", 60.149534, 1e-6),
+        (twice, "R2010", 51.732811, 1e-6),
     ],
-    ids=["R12", "fit points", "weights of -1", "blocks", "layers that are off"],
+    ids=[
+        "R12",
+        "fit points",
+        "weights of -1",
+        "blocks",
+        "layers that are off",
+        "layers that are not plotted",
+        "drawn twice",
+    ],
 )
 def test_what_programs_do_with_curves_is_undone(
     tmp_path: Path, add: Callable[[Any], object], version: str, expected_mm: float | None, within: float
@@ -168,7 +194,7 @@ def hidden(space: Any) -> None:
     ("add", "said"),
     [
         (on_layers, "layers that hold one closed contour are A and B"),
-        (hidden, f"{HEAD}; layers with such parts are off or frozen: 'off'; switch them on"),
+        (hidden, f"{HEAD}; layers with such parts are off, frozen or not plotted: 'off'; switch them on"),
         (lambda space: space.doc.layout().add_circle((0, 0), 30.0), f"{HEAD}; such parts are in its paper space only"),
         (lambda space: space.add_solid([(0, 0), (1, 0), (0, 1)]), f"{HEAD}; it has SOLID only"),
     ],

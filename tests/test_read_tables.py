@@ -24,6 +24,8 @@ FORMS: dict[str, bytes] = {
     "semicolons and decimal commas": PLAIN.replace(",", ";").replace(".", ",").encode(),
     "tabs": PLAIN.replace(",", "\t").encode(),
     "tabs and decimal commas": PLAIN.replace(",", "\t").replace(".", ",").encode(),
+    "bars": PLAIN.replace(",", "|").encode(),
+    "minus signs of typography": PLAIN.replace("1.5\n10.25,-", "1.5\n10.25,\u2212").encode(),
     "spaces": PLAIN.replace(",", "   ").encode(),
     "sep=": b"sep=;\r\n" + PLAIN.replace(",", ";").encode(),
     "lines of Windows": PLAIN.replace("\n", "\r\n").encode(),
@@ -75,6 +77,13 @@ def test_measured_points_are_read_by_the_same_reader(tmp_path: Path, form: str) 
 @pytest.mark.parametrize(
     ("content", "said"),
     [
+        (
+            "1,2\n3,4\n",
+            "t.csv:1:1: its first row has numbers; names of columns are right: x_mm, and force_n or force_kn",
+        ),
+        ("x_mm,force_n\n#DIV/0!,2\n", "t.csv:2:1: x_mm: '#DIV/0!' is not a finite number"),
+        ("x_mm,force_n\n#N/A,2\n", "t.csv:2:1: x_mm: '#N/A' is not a finite number"),
+        ("PK\x03\x04\0\0", "t.csv: is no text; CSV in UTF-8 is right, or a spreadsheet by its ending: .xlsx"),
         ("x_cm,force_n\n1,2\n", "t.csv:1:1: unknown column: 'x_cm'; columns can be x_mm, force_n or force_kn"),
         ("x_mm,x (mm),force_n\n1,2,3\n", "t.csv:1:6: column given twice: 'x_mm'"),
         ("x_mm,force_n\n1,5,2\n", "t.csv:2:1: 3 values for 2 columns; one number for each, its decimals after a point"),

@@ -76,10 +76,11 @@ TABLES = """\
 
 Where a key `file` stands for columns (of `motion.points`, a law's table, `resistance.table`, a motor's curve, the
 runs of a balance file), and in [`ncgear measured`](commands/measured.md), a table is read as spreadsheets, measuring
-machines and people write it: columns separated by commas, semicolons, tabs or spaces, with a decimal comma where they
-are not separated by commas; a line `sep=;`; lines that begin with `#`, `%`, `//` or `!` as comments; UTF-8 or UTF-16;
-and of XLSX, XLS and ODS the first sheet (`pip install 'ncgear[tables]'`). The first row names the columns as the keys
-are called: `x_mm`, `X (mm)` and `x [mm]` are the same. Other columns, and one without a name, are passed over.
+machines and people write it: columns separated by commas, semicolons, tabs, bars or spaces, with a decimal comma
+where they are not separated by commas; a line `sep=;`; lines that begin with `#`, `%`, `//` or `!` as comments; UTF-8
+or UTF-16; and of XLSX, XLS and ODS the first sheet (`pip install 'ncgear[tables]'`). The first row names the
+columns as the keys are called: `x_mm`, `X (mm)` and `x [mm]` are the same. Other columns, and one without a name, are
+passed over.
 """
 
 BALANCE_INTRODUCTION = f"""\

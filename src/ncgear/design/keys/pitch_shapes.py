@@ -129,7 +129,7 @@ class DrawnPoints(Drawn):
         from ncgear.ratio.laws.curve_shapes import polar_points
 
         points = np.column_stack([np.array(self.x_mm), np.array(self.y_mm)])
-        return polar_points(points - np.array(self.axis_mm), f"{KEY}.points")
+        return polar_points(points - np.array(self.axis_mm), self.tolerance_mm, f"{KEY}.points")
 
 
 class BSpline(Drawn):

@@ -230,7 +230,7 @@ class PitchCurve(LawKeys):
             if contour.tolerance_mm is None:
                 curve = shapes.chain(parts, contour.axis_mm, key)
             else:
-                polar = shapes.polar_points(along - np.array(contour.axis_mm), key)
+                polar = shapes.polar_points(along - np.array(contour.axis_mm), contour.tolerance_mm, key)
                 curve, missed = shapes.smoothed_points(*polar, contour.tolerance_mm, repeats, key)
                 facts["points_missed_by_mm"] = missed
         else:

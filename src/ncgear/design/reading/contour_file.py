@@ -39,6 +39,9 @@ UNITS = {1: "inch", 4: "mm", 5: "cm", 6: "m"}
 MOST_ENTITIES = 100_000
 """Most entities of a drawing; the entities of a block count as often as the block is placed."""
 
+NEVER_PLOTTED = "defpoints"
+"""The layer on which programs keep points of their dimensions."""
+
 DEEPEST = 16
 """Deepest nesting of blocks that is taken apart."""
 
@@ -72,6 +75,8 @@ def contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
         if len(every) > MOST_ENTITIES:
             raise WrongInput(f"holds over {MOST_ENTITIES} entities; a contour alone is right", location=str(file))
         hidden = {_name(one.dxf.name) for one in document.layers if one.is_off() or one.is_frozen()}
+        if layer is None:
+            hidden |= {NEVER_PLOTTED, *(_name(one.dxf.name) for one in document.layers if not one.dxf.plot)}
         shown = [one for one in every if _name(one.dxf.layer) not in hidden and not one.dxf.get("invisible", 0)]
         named = [one for one in shown if layer is None or _name(one.dxf.layer) == _name(str(layer))]
         read = [one for one in named if one.dxftype() in READ]
@@ -159,7 +164,7 @@ def _holds_none(document: Drawing, every: list[DXFEntity], shown: list[DXFEntity
     if held := layers_of(shown):
         why = f"layers with such parts are {held}"
     elif off := layers_of(every):
-        why = f"layers with such parts are off or frozen: {off}; switch them on in the drawing"
+        why = f"layers with such parts are off, frozen or not plotted: {off}; switch them on in the drawing"
     elif any(one.dxftype() in READ for page in document.layouts if page.is_any_paperspace for one in page):
         why = "such parts are in its paper space only; draw in the model space"
     else:
@@ -265,10 +270,13 @@ def chords_of(x: list[float], y: list[float]) -> dict[str, Any]:
 def chords_joined(parts: Iterable[dict[str, Any]], file: Path) -> list[dict[str, Any]]:
     """The parts in order; each run of lines that follow each other becomes one chain of chords.
 
-    Lines need no knots and weights.  Raises WrongInput for too many parts.
+    Lines need no knots and weights.  What is drawn twice counts once.  Raises WrongInput for too many parts.
     """
-    found = list[dict[str, Any]]()
+    found, seen = list[dict[str, Any]](), set[tuple[object, ...]]()
     for part in parts:
+        if (drawn := _drawn(part)) in seen:
+            continue
+        seen.add(drawn)
         last = found[-1] if found else {}
         joins = part["degree"] == last.get("degree") == 1 and part["layer"] == last["layer"]
         if joins and (part["x"][0], part["y"][0]) == (last["x"][-1], last["y"][-1]):
@@ -282,6 +290,12 @@ def chords_joined(parts: Iterable[dict[str, Any]], file: Path) -> list[dict[str,
         )
         raise WrongInput(f"{problem}, or simplify the curve", location=str(file))
     return [{**one, **chords_of(one["x"], one["y"])} if one["degree"] == 1 else one for one in found]
+
+
+def _drawn(part: dict[str, Any]) -> tuple[object, ...]:
+    """What two parts have in common that are the same curve, in either sense."""
+    points = list(zip(part["x"], part["y"], strict=True))
+    return (part["degree"], *min(points, points[::-1]), *part.get("weights", ()))
 
 
 END_STEPS = 3.0

@@ -3,9 +3,9 @@
 The reader takes tables as spreadsheets, measuring machines and people write them: rows of cells, and columns of
 numbers.  It keeps the line of each row, so that a fault has its place.
 
-Columns are separated by commas, semicolons, tabs or spaces, as the first row shows or a line ``sep=`` says; if they are
-not separated by commas, a comma may stand for the decimal point.  Empty lines and comments are passed over.  The text
-may be UTF-8, or UTF-16 with or without its mark; XLSX, XLS and ODS files give their first visible sheet.
+Columns are separated by commas, semicolons, tabs, bars or spaces, as the first row shows or a line ``sep=`` says; if
+they are not separated by commas, a comma may stand for the decimal point.  Empty lines and comments are passed over.
+The text may be UTF-8, or UTF-16 with or without its mark; XLSX, XLS and ODS files give their first visible sheet.
 """
 
 from __future__ import annotations
@@ -27,8 +27,14 @@ from ncgear.frozen import dataclass
 COMMENTS = ("#", "%", "//", "!")
 """Beginnings of lines that are not rows."""
 
+ERROR_VALUE = re.compile(r"#(N/A|NV|[^\s,;|]+[!?])\s*([,;|\t]|$)")
+"""A cell of a spreadsheet whose formula failed, such as ``#DIV/0!``, which is no comment."""
+
 SHEETS = (".xlsx", ".xlsm", ".xls", ".ods")
 """Files of spreadsheets, by their endings."""
+
+MINUS = "\u2212"
+"""The minus sign of typography."""
 
 DECIMAL_POINT = re.compile(r"\s*[-+]?[0-9]*\.[0-9]+([eE][-+]?[0-9]+)?\s*")
 DECIMAL_COMMA = re.compile(r"\s*[-+]?[0-9]*,[0-9]+([eE][-+]?[0-9]+)?\s*")
@@ -54,6 +60,10 @@ def read_rows(path: Path, *, limit_mb: int) -> Iterator[FileRow]:
     return _of_text(_text(path, limit_mb), path)
 
 
+def _is_comment(text: str) -> bool:
+    return text.startswith(COMMENTS) and not ERROR_VALUE.match(text)
+
+
 def column_name(head: str) -> str:
     """The name that a head stands for: ``X (mm)``, ``x [mm]`` and ``x_mm`` are ``x_mm``.
 
@@ -65,6 +75,9 @@ def column_name(head: str) -> str:
 def _text(path: Path, limit_mb: int) -> str:
     content = read_bytes(path, limit_mb=limit_mb)
     coding = _utf_16(content[:LOOKED_AT])
+    if not coding and b"\0" in content[:LOOKED_AT]:
+        problem = f"is no text; CSV in UTF-8 is right, or a spreadsheet by its ending: {listed(SHEETS)}"
+        raise WrongInput(problem, location=str(path))
     if not coding:
         return read_text(path, limit_mb=limit_mb)
     try:
@@ -87,14 +100,14 @@ def _utf_16(begins: bytes) -> str:
 
 def _of_text(text: str, path: Path) -> Iterator[FileRow]:
     separator, first, decimals = "", 1, dict[str, int]()
-    lines = text.splitlines()
+    lines = text.replace(MINUS, "-").splitlines()
     if lines and re.fullmatch(r'"?sep=(.|\\t)"?', lines[0].strip(), re.IGNORECASE):
         separator, first = lines[0].strip().strip('"')[4:].replace("\\t", "\t"), 2
     for line, content in enumerate(lines[first - 1 :], first):
         stripped = content.strip()
-        if not stripped or stripped.startswith(COMMENTS):
+        if not stripped or _is_comment(stripped):
             continue
-        separator = separator or next((one for one in (";", "\t", ",") if one in content), " ")
+        separator = separator or next((one for one in (";", "\t", "|", ",") if one in content), " ")
         cells = content.split() if separator == " " else _cells(content, separator, f"{path}:{line}:1")
         if separator != ",":
             _refuse_both(cells, line, decimals, path)
@@ -149,7 +162,7 @@ def _of_sheet(path: Path, limit_mb: int) -> Iterator[FileRow]:
         raise WrongInput(f"is no spreadsheet that can be read: {said}; save it as CSV", location=str(path)) from error
     for line, values in enumerate(rows, 1):
         cells = [repr(value) if isinstance(value, float) else str(value) for value in values]
-        if any(cell.strip() for cell in cells) and not cells[0].strip().startswith(COMMENTS):
+        if any(cell.strip() for cell in cells) and not _is_comment(cells[0].strip()):
             yield FileRow(line, cells)
 
 
@@ -251,6 +264,11 @@ def _places(header: FileRow, file: str, columns: FileColumns) -> dict[str, int]:
         if name in columns.names and name in names[:i]:
             raise _wrong(file, header, i, f"column given twice: {quoted(name)}")
     named = [name for name in names if name]
+    if named and all(plain_number(cell.strip()) is not None for cell in header.cells if cell.strip()):
+        kinds = ", and ".join(map(listed, columns.kinds))
+        raise WrongInput(
+            f"its first row has numbers; names of columns are right: {kinds}", location=f"{file}:{header.line}:1"
+        )
     for kind in columns.kinds:
         if len(set(kind) & set(names)) == 1:
             continue

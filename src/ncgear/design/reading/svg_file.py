@@ -108,7 +108,7 @@ def _marked(tree: ElementTree.Element, wanted: str | None) -> bytes:
     What is drawn only where another element refers to it goes to the definitions, since the library draws it.
     """
     for one in list(tree.iter()):
-        names = [one.get(key) for key in ("id", LABEL) if one.get(key)]
+        names = [name for key in ("id", LABEL) if (name := one.get(key))]
         one.attrib.update({NAME: names[0]} if names else {})
         one.attrib.update({WANTED: ""} if wanted in names else {})
         for number, part in enumerate(one):

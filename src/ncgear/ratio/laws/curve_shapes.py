@@ -43,6 +43,9 @@ SCATTERED_FROM, WHITE, COMMON = 500, 1.5, 0.12
 curve that follows too little); and the least share of the tolerance by which half the points miss the curve: normal
 noise of 100 000 points beyond the tolerance has 0.15."""
 
+SCATTER = 0.01
+"""Share of the greatest radius by which points that scatter may turn back."""
+
 WIDER = 1.05
 """Factor between tolerances that are tried for scattered points."""
 
@@ -240,10 +243,10 @@ def _from(curve: RationalSpline, start: Array, end: Array) -> RationalSpline:
     return RationalSpline(curve.degree, curve.knots, points, curve.weights)
 
 
-def polar_points(points_mm: Array, key: str) -> tuple[Array, Array]:
-    """Polar angle in rad, rising, and radius in mm of points (shape (n, 2)) around the axis, in either sense.
+def polar_points(points_mm: Array, tolerance_mm: float, key: str) -> tuple[Array, Array]:
+    """Polar angle in rad and radius in mm of points (shape (n, 2)) around the axis, in either sense.
 
-    Raises NoSuchMechanism where they do not go round the axis once, or turn back.
+    Raises NoSuchMechanism where they do not go round the axis once, or turn back by more than the tolerance.
     """
     radius = np.hypot(points_mm[:, 0], points_mm[:, 1])
     if np.any(points_mm[0] != points_mm[-1]):
@@ -255,13 +258,16 @@ def polar_points(points_mm: Array, key: str) -> tuple[Array, Array]:
     if turns not in (1, -1):
         said = f"go round the axis {abs(turns)} times" if turns else "do not go round the axis"
         raise NoSuchMechanism(f"the points {said}; once is right: move the axis, or put them in order", key=key)
-    wrong = np.flatnonzero(steps * turns < 0.0)
-    if wrong.size:
-        at = points_mm[wrong[0] + 1]
+    along = np.concatenate([[0.0], turns * np.cumsum(steps)])
+    back_mm = radius * (np.maximum.accumulate(along) - along)
+    if np.max(back_mm) > tolerance_mm:
+        at, most_mm = points_mm[int(np.argmax(back_mm > tolerance_mm))], float(np.max(back_mm))
+        scatter = most_mm < SCATTER * float(np.max(radius))
+        wider = f", or, where they scatter, give tolerance_mm: {shown_above(most_mm, 3)} or more" if scatter else ""
         raise NoSuchMechanism(
             f"the points turn back before ({at[0]:.6g}, {at[1]:.6g}) mm from the axis, at the polar angle "
             f"{in_words(float(np.arctan2(at[1], at[0])) % tau)}; every ray from the axis must meet the curve once: "
-            "move the axis, or smooth the points there",
+            f"move the axis, or smooth the points there{wider}",
             key=key,
         )
     return np.mod(np.arctan2(points_mm[:-1, 1], points_mm[:-1, 0]), tau), radius[:-1]
