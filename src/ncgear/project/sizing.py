@@ -390,7 +390,8 @@ class _Search:
                     coarse.append(made)
                 case Accepted.NO:
                     pass
-        return None if found is None else self.polished(found, accepted)
+        # Where too few teeth were refused, fewer ones would come near to what refused them
+        return found if found is None or coarse else self.polished(found, accepted)
 
     def polished(self, found: Sized, accepted: Callable[[Sized], Accepted]) -> Sized:
         """The smallest accepted gears of the same module with any number of teeth nearby, from a few tries."""
