@@ -244,6 +244,7 @@ def test_no_machine_is_under_the_least_cost(monkeypatch: pytest.MonkeyPatch) -> 
 
     def raised(task: Any, asked: Demands, prices: Any, law: Any, motion: Motion, budget: Budget) -> tuple[float, None]:
         powers.append([asked.power_w])
+        assert budget.most == limits.PROGRAMMES
         assert prices == {"flank_load_n_mm": 1.0}
         assert motion.turning.min() > 0.0
         return 0.9 * law["flank_load_n_mm"], None

@@ -113,7 +113,7 @@ def test_the_smallest_of_all_sizes_is_found(pretend: list[int], space_mm: float)
     assert [one.volume_mm3 for one in found] == sorted(one.volume_mm3 for one in found)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_gears_that_are_accepted_with_more_teeth_only_lead_there(pretend: list[int]) -> None:
     """After too few teeth of a module, 15 % more at least are tried of this and smaller modules."""
     seen = list[Sized]()
@@ -130,6 +130,17 @@ def test_gears_that_are_accepted_with_more_teeth_only_lead_there(pretend: list[i
     assert found is not None
     assert 70 <= found.teeth < 70 * 1.15 * 1.06
     assert smallest_accepted(found.drive, GearRoom(), lambda one: Accepted.NO, 4, lambda done, most: None) is None
+
+
+@pytest.mark.thorough
+def test_no_number_of_teeth_beside_the_smallest_accepted_gears_is_smaller(pretend: list[int]) -> None:
+    """Of their module, by more than guesses of the width are off; steps of 6 % alone would leave 8 %."""
+    room = GearRoom(modules_mm=(1.25,), fewest_teeth=40)
+    found = smallest_accepted(drive_of_text(TEXT), room, lambda one: Accepted.YES, 12, lambda done, most: None)
+    assert found is not None
+    assert found.face_width_mm == least_width(found.teeth, 1.25)
+    near = range(int(found.teeth / 1.06) + 1, int(found.teeth * 1.06) + 1)
+    assert 0.95 * found.teeth**2 * found.face_width_mm <= min(one**2 * least_width(one, 1.25) for one in near)
 
 
 def test_flanks_that_wear_away_do_not_hold(pretend: list[int], monkeypatch: pytest.MonkeyPatch) -> None:

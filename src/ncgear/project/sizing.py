@@ -88,6 +88,11 @@ FINENESS = 1.06
 FINER_BY = 1.15
 """Ratio by which numbers of teeth grow where gears with too few are not accepted: each try takes a second."""
 
+POLISHED = 3
+"""Most numbers of teeth near the best that are tried, a second each, and how small they must be guessed to be."""
+
+POLISH = 0.99
+
 NARROWEST_MODULES = 5.0
 """Least face width in modules: narrower gears tilt on their shafts."""
 
@@ -396,6 +401,24 @@ class _Search:
                     coarse.append(made)
                 case Accepted.NO:
                     pass
+        # Where too few teeth were refused, fewer ones would come near to what refused them
+        return found if found is None or coarse else self.polished(found, accepted)
+
+    def polished(self, found: Sized, accepted: Callable[[Sized], Accepted]) -> Sized:
+        """The smallest accepted gears of the same module with any number of teeth nearby, from a few tries."""
+        lobes, tried = self.drive.gears.lobes.driving, {found.teeth}
+        for _ in range(POLISHED):
+            fewest, most = max(found.teeth / FINENESS, self.space.fewest_teeth), int(found.teeth * FINENESS)
+            left = set(range(ceil(fewest / lobes) * lobes, most + 1, lobes)) - tried - self.refused
+            guessed, teeth = min(((self.volume(one, found.module_mm), one) for one in left), default=(inf, 0))
+            if guessed > POLISH * found.volume_mm3:
+                break
+            tried.add(teeth)
+            self.most = self.trials + 1
+            made = self.widened(teeth, found.module_mm)
+            smaller = made is not None and made.volume_mm3 < found.volume_mm3
+            if made is not None and smaller and accepted(made) is Accepted.YES:
+                found = made
         return found
 
     def smallest(self, module_mm: float) -> Sized | None:

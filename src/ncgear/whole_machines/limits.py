@@ -49,8 +49,9 @@ NEAR = 1.02
 MOTION_PLACES = 720
 """Places of a machine's motion: its limit only starts from it."""
 
-PROGRAMMES = 600
-"""Most programmes for raising one limit, of 0.05 s each; parts of the flywheel's range share them."""
+PROGRAMMES, FOR_ALL = 600, 1800
+"""Most programmes, of 0.05 s each, for raising one limit and for the flank loads of all machines together; parts of the
+flywheel's range share those of the least power."""
 
 OUTSIDE = (
     "modules of a series, whole teeth and widths in whole mm",
@@ -154,10 +155,11 @@ class MachineLimits:
         # With a large flywheel the bound from the work of a cycle may be higher
         of_work = bound_of_stroke("flank_load_n_mm", 1.0, self.task, self.sweeps.asked)
         bounds = np.maximum(bounds, 0.0 if of_work is None else of_work.value)
+        far = np.nonzero(load > NEAR * bounds)[0].tolist()
+        most = min(PROGRAMMES, FOR_ALL // max(len(far), 1))
         jobs = [
-            RaiseJob(number, "flank_load_n_mm", reached, cap, (wheel, wheel), self.motion(number), PROGRAMMES)
-            for number, (reached, cap, wheel) in enumerate(zip(load, power, flywheel, strict=True))
-            if reached > NEAR * bounds[number]
+            RaiseJob(one, "flank_load_n_mm", load[one], power[one], (flywheel[one],) * 2, self.motion(one), most)
+            for one in far
         ]
         bounds = self.raised(bounds, jobs)
         return [machine_limit(one, float(bound)) for one, bound in zip(self.machines, bounds, strict=True)]
