@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import log, pi, radians, sin, sqrt
+from math import degrees, log, pi, radians, sin, sqrt
 from types import SimpleNamespace
 from typing import Any
 
@@ -22,6 +22,7 @@ from ncgear.project.law_task import _of_undercut
 from ncgear.ratio.sampled_strokes import EVERYWHERE, edges_about
 from ncgear.screening.rows import _steeper_deg
 from ncgear.teeth import fouling
+from ncgear.wishes.dwell import Dwell
 
 Made: Any = SimpleNamespace
 
@@ -160,3 +161,17 @@ def test_a_tooth_that_fouls_without_a_tip_below_is_refused_by_its_number(monkeyp
     with pytest.raises(NoSuchMechanism, match="no tip 1"):
         fouling._free_of(own, paths, lambda *_: np.array([True]))
     assert fouling._free_of(own, paths, lambda *_: np.array([False])) is own
+
+
+@pytest.mark.judges("wishes")
+def test_a_dwell_is_offered_within_what_the_output_can_keep_in_its_own_unit(monkeypatch: pytest.MonkeyPatch) -> None:
+    """0.02 rad from an end are 1.15 deg, told a little above; other ends, lengths and ratios go on to the search."""
+    asked: list[Any] = []
+    monkeypatch.setattr("ncgear.wishes.dwell.nearest_dwell_mm", lambda *given: asked.append(given) or 0.02)
+    linkage: Any = Made(OUTPUT=Made(place=Made(factor=180.0 / pi, text="deg", ending="deg")))
+    wish: Any = Made(end="extended", for_rad=0.5, eased=lambda words, **keys: (words, keys))
+    ((words, keys),) = Dwell.instead(wish, linkage, 4.0)
+    assert asked == [(linkage, "extended", 0.5, 4.0)]
+    assert list(keys) == ["within_deg"]
+    assert float(keys["within_deg"]) == pytest.approx(degrees(0.02), rel=1e-3)
+    assert words == f"one within {keys['within_deg']} deg"
