@@ -9,10 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from ncgear.cli.progress import Lines
 from ncgear.dynamics import history
 from ncgear.dynamics.history import meetings_s, parted_s, pressed_rad, pushing_parted_s
 from ncgear.dynamics.peaks import _passings_s, _sizes
+from ncgear.figures.data_sheet.entries import shafts_below
 from ncgear.optimum.outline import nearest
+from ncgear.project.passing import CRANK_PIN
 from ncgear.trains.loads import body_of
 
 Made: Any = SimpleNamespace
@@ -129,3 +132,25 @@ def test_a_curve_is_away_from_both_outlines_by_their_shares(monkeypatch: pytest.
     assert away(None, True) == 5.0
     assert away(0.2, True) == pytest.approx(max(5.0, 3.0 * 0.25 * 2.0))
     assert away(0.8, True) == pytest.approx(max(0.25 * 5.0, 3.0 * 2.0))
+
+
+@pytest.mark.judges("figures")
+def test_rods_that_meet_the_driving_shaft_must_end_below_it() -> None:
+    def passing(part: str, meets: bool, about: bool) -> Any:
+        return Made(part=part, meets=meets, standing=Made(name="shaft", about_driving_axis=about))
+
+    drive: Any = Made(
+        passings=[
+            passing("rod", True, True),
+            passing("rocker", False, True),
+            passing("lever", True, False),
+            passing(CRANK_PIN, True, True),
+        ]
+    )
+    assert shafts_below(drive) == [("rod", "shaft")]
+
+
+@pytest.mark.judges("cli")
+@pytest.mark.parametrize(("total", "count"), [(None, ""), (1, ""), (2, " (1 of 2 done)"), (9, " (1 of 9 done)")])
+def test_a_line_of_progress_counts_where_there_are_two_steps_or_more(total: int | None, count: str) -> None:
+    assert Lines.line.fget(Made(now=("teeth", 1, total), seconds=12.2)) == f"12 s: teeth{count}"  # type: ignore[attr-defined]
