@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import pi
 from types import SimpleNamespace
 from typing import Any
@@ -16,7 +17,9 @@ from ncgear.dynamics.peaks import _passings_s, _sizes
 from ncgear.figures.data_sheet.entries import shafts_below
 from ncgear.optimum.outline import nearest
 from ncgear.project.passing import CRANK_PIN
+from ncgear.ratio.laws.curve_shapes import smoothed_points
 from ncgear.trains.loads import body_of
+from ncgear.whole_machines import limits
 
 Made: Any = SimpleNamespace
 
@@ -154,3 +157,36 @@ def test_rods_that_meet_the_driving_shaft_must_end_below_it() -> None:
 @pytest.mark.parametrize(("total", "count"), [(None, ""), (1, ""), (2, " (1 of 2 done)"), (9, " (1 of 9 done)")])
 def test_a_line_of_progress_counts_where_there_are_two_steps_or_more(total: int | None, count: str) -> None:
     assert Lines.line.fget(Made(now=("teeth", 1, total), seconds=12.2)) == f"12 s: teeth{count}"  # type: ignore[attr-defined]
+
+
+@pytest.mark.judges("ratio")
+def test_a_smooth_curve_through_points_that_begin_anywhere_goes_round_once() -> None:
+    """10 + cos(2 a) from 0.7 rad on, of one lobe and of two; pieces follow each other over a whole turn."""
+    for repeats in (1, 2):
+        angle = 0.7 + 2.0 * pi / repeats * np.arange(80) / 80
+        curve, missed = smoothed_points(angle, 10.0 + np.cos(2.0 * angle), 1e-3, repeats, "motion")
+        parts = curve.stretches
+        assert parts[-1].end - parts[0].start == pytest.approx(2.0 * pi)
+        assert all(after.start == pytest.approx(one.end) for one, after in pairwise(parts))
+        for part in parts:
+            at = np.linspace(part.start, part.end, 30)
+            turned, radius = part.polar(at, 0)
+            assert radius.value == pytest.approx(10.0 + np.cos(2.0 * turned.value), abs=3e-3)
+        assert missed <= 1e-3
+
+
+@pytest.mark.judges("whole_machines")
+@pytest.mark.parametrize(("mean_w", "least_w"), [(40.0, 60.0), (70.0, 70.0)])
+def test_no_law_has_less_than_the_least_of_all_parts_of_the_range(
+    mean_w: float, least_w: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Parts with 80 and 60 W; looked at up to the least power of all machines, and never under the mean power."""
+    asked: list[Any] = []
+    monkeypatch.setattr(limits, "swept_power", lambda sweeps, parts, most: asked.append(most) or np.array([80.0, 60.0]))
+    monkeypatch.setattr(limits, "least_mean_power_w", lambda task: mean_w)
+    machines = [Made(figures=Made(peak_power_w=power)) for power in (120.0, 90.0, 100.0)]
+    one: Any = Made(machines=machines, sweeps=None, design=Made(masses=1), task=None)
+    one._flywheel_parts = lambda: np.zeros((2, 2))
+    assert limits.MachineLimits.power_w(one) == least_w
+    assert asked[0] == pytest.approx([90.0, 90.0], rel=1e-3)
+    assert (asked[0] >= 90.0).all()
