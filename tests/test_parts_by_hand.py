@@ -16,10 +16,11 @@ from ncgear.drivetrain.shafts import ALLOWED_OF_YIELD
 from ncgear.errors import Unanswered, WrongInput
 from ncgear.numerics.extrema import Extremum
 from ncgear.pitch.shape import Gear
-from ncgear.project import drivetrain
+from ncgear.project import drivetrain, forces, sizing
 from ncgear.project.face_load import FaceLoading
 from ncgear.solids.helical.patches import _apart, _sharing_edges
 from ncgear.strength import surfaces
+from ncgear.strength.holding import Damage
 
 Made: Any = SimpleNamespace
 
@@ -212,3 +213,51 @@ def test_plastics_creep_by_the_time_that_a_tooth_is_loaded(monkeypatch: pytest.M
     assert found is not None
     assert asked == pytest.approx([15.0, 15.0])
     assert sorted(vars(found).values()) == pytest.approx([0.3, 0.9, 15.0])
+
+
+@pytest.mark.judges("project")
+@pytest.mark.parametrize(
+    ("damage", "factor"), [(Damage.BENDING, 1.0 / (0.8 * 1.5 * 2.0)), (Damage.CONTACT, 1.0 / 1.2**2)]
+)
+def test_a_face_is_wider_by_what_its_stress_lacks(damage: Damage, factor: float) -> None:
+    """Four fifths of the wanted safety on curves 1.5 times as large with twice the module."""
+    one: Any = Made(damage=damage, share=0.8)
+    assert sizing._wider(one, 1.5, 2.0) == pytest.approx(factor)
+
+
+@pytest.mark.judges("project")
+def test_a_width_is_guessed_from_the_nearest_gears_by_the_tooth_that_needs_most() -> None:
+    """Of 20 mm: bending asks for 1/(0.5 x 1 x 2), wear for 1/(0.4 x 1 x 2); five modules at least."""
+    near = gears(20, 2.0, 20.0)
+    search: Any = Made(computed=[gears(40, 2.0, 9.0), near], space=Made(least_width_modules=5.0))
+    search.nearest = lambda teeth, module: near
+    search.scale = lambda teeth, module: sizing._Search.scale(search, teeth, module)
+    assert search.scale(20, 4.0) == pytest.approx(1.0)
+    # From 20 teeth of 2 mm to 20 of 4 mm the pitch curves are twice as large, and the module.
+    bending, wear = 20.0 / (0.5 * 2.0 * 2.0), 20.0 / (0.4 * 2.0 * 2.0)
+    assert sizing._Search.width(search, 20, 4.0) == max(np.ceil(max(bending, wear)), 20.0)
+    assert sizing._Search.width(search, 20, 2.0) == np.ceil(20.0 / 0.4)
+
+
+def gears(teeth: int, module: float, width: float) -> Any:
+    """Gears whose roots have half of the wanted safety, and their flanks two fifths of that against wear."""
+    weakest = [Made(damage=Damage.BENDING, share=0.5)]
+    rating = Made(weakest=weakest)
+    return Made(teeth=teeth, module_mm=module, face_width_mm=width, rating=rating, flank_share=0.4)
+
+
+@pytest.mark.judges("project")
+@pytest.mark.parametrize("sections", [1, 4])
+def test_a_share_of_the_critical_damping_follows_from_stiffness_and_mass(sections: int) -> None:
+    """2 sqrt(k m) of 200 N/mm in all and 9 N s2/mm3 on an arm of 30 mm; in sections of helical teeth its part each."""
+    gaps = Made(touching_levers_mm=np.array([30.0]), touching_stiffness=np.array([200.0 / sections]), sections=sections)
+    impact = Made(exponent=1.5, full_damping_depth_mm=0.04, damping_n_s_mm=0.0)
+    given: Any = Made(damping_n_s_mm=None, damping_ratio=0.1)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(forces, "replace", lambda one, **changes: Made(**{**vars(one), **changes}))
+        meshing: Any = Made(gaps=gaps, impact=impact)
+        found = forces.damped(given, meshing, 9.0 * 900.0).impact.damping_n_s_mm
+        given.damping_n_s_mm = 1.0
+        assert forces.damped(given, meshing, 1.0) is meshing
+    # At the depth of full damping the slope of a force d^1.5 is 1.5 d^0.5.
+    assert found == pytest.approx(0.1 * 2.0 * (200.0 * 1.5 * 0.2 * 9.0) ** 0.5 / sections)

@@ -11,7 +11,7 @@ import pytest
 
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics.extrema import Extremum
-from ncgear.project import compared, finer, motor, outline_fit, sizing, vibration
+from ncgear.project import compared, face_load, finer, motor, outline_fit, sizing, vibration
 from ncgear.project.compared import ComparedPair
 
 pytestmark = pytest.mark.judges("project")
@@ -264,3 +264,106 @@ def test_a_mesh_swings_by_the_stiffness_and_mass_of_its_positions(monkeypatch: p
     assert (error.tolist(), torque.tolist()) == ([0.01, 0.03], [5.0, 7.0])
     contacts.side = np.array([0, 1, 0])
     assert vibration._load_factor(Made(), given, loads, speeds) is None
+
+
+def test_numbers_of_teeth_and_helix_angles_are_tried_in_their_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Teeth in multiples of the lobes, up to some times as many; whole degrees below the angle that is given."""
+    monkeypatch.setattr(finer, "_least", lambda pair, changes, good, seconds, numbers: (changes, numbers))
+    monkeypatch.setattr(finer, "resized", lambda pair, count: {"gears.teeth": count})
+    lobes = Made(lobes=Made(teeth_step=3))
+    pair: Any = Made(transmission=lobes, pitch=Made(size=Made(driving_teeth=30)))
+    changes, numbers = finer.fewest_teeth(pair, Made(), 1.0)
+    assert numbers == (30, finer.MOST_FINER * 30, 3)
+    assert changes(42) == {"gears.teeth": 42}
+    pair.pitch.size.driving_teeth = finer.MOST_TEETH
+    assert finer.fewest_teeth(pair, Made(), 1.0)[1][1] == finer.MOST_TEETH // 3 * 3
+    for angle, steps in ((24.6, 24), (24.0, 23)):
+        pair.gears = Made(helix=Made(angle_deg=angle))
+        changes, numbers = finer.steepest_helix(pair, Made(), 1.0)
+        assert numbers == (0, steps, 1)
+        told = [changes(step)["gears.helix.angle_deg"] for step in (1, 2, steps)]
+        assert told == [steps, steps - 1, 1]
+
+
+def test_teeth_too_weak_to_be_rated_begin_with_the_first_larger_module_that_can(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of 2 mm, where 7 mm are enough: 8, and a face as many modules wide as is usual, or as wide as it was."""
+
+    def rated(drive: Any, method: str) -> str:
+        if drive.pitch.size.module_mm < 7.0:
+            raise NoSuchMechanism("too weak", key=sizing.TOO_WEAK)
+        return "rated"
+
+    def changed(drive: Any, changes: Any) -> Any:
+        size = Made(module_mm=changes["module"], driving_teeth=20)
+        return Made(pitch=Made(size=size), gears=Made(face_width_mm=changes["gears.face_width_mm"]))
+
+    monkeypatch.setattr(sizing, "rating_of", rated)
+    monkeypatch.setattr(sizing, "changed_drive", changed)
+    monkeypatch.setattr(sizing, "sized", lambda drive, teeth, module: {"module": module})
+    monkeypatch.setattr(sizing, "Sized", lambda changes, drive, rating: Made(changes=changes, drive=drive))
+    for face, expected in ((10.0, 8.0 * sizing.WIDEST_MODULES), (500.0, 500.0)):
+        drive: Any = Made(pitch=Made(size=Made(module_mm=2.0, driving_teeth=20)), gears=Made(face_width_mm=face))
+        begun: Any = sizing._begun(drive)
+        assert begun.changes == {"module": 8.0, "gears.face_width_mm": expected}
+    strong: Any = Made(pitch=Made(size=Made(module_mm=7.0, driving_teeth=20)), gears=Made(face_width_mm=10.0))
+    assert sizing._begun(strong).changes == {}
+    strong.pitch.size.module_mm = 1e-9
+    with pytest.raises(NoSuchMechanism, match="too weak"):
+        sizing._begun(strong)
+
+
+@pytest.mark.parametrize(("accepted", "found"), [(0, (20, 3.0)), (130.0, (20, 4.0)), (1e9, None)])
+def test_the_smallest_of_all_sizes_is_computed_and_accepted(accepted: float, found: tuple[int, float] | None) -> None:
+    """Volumes z m^2, guessed a tenth too small; sizes below 150 are too weak where they are computed."""
+    computed: list[tuple[int, float]] = []
+
+    def widened(teeth: int, module: float) -> Any:
+        computed.append((teeth, module))
+        volume = teeth * module**2
+        return None if volume < 150.0 else Made(teeth=teeth, module_mm=module, volume_mm3=volume)
+
+    search: Any = Made(trials=0, most_computed=10, weak={(40, 2.0)}, teeth=lambda: [20, 40], widened=widened)
+    search.space, search.volume = Made(modules_mm=[2.0, 3.0, 4.0]), lambda teeth, module: 0.9 * teeth * module**2
+    best = sizing._Search.smallest_of_all(search, lambda one: one.volume_mm3 > accepted + 150.0)
+    assert (best and (best.teeth, best.module_mm)) == found
+    assert computed[0] == (20, 2.0)
+    assert (40, 2.0) not in computed
+    if found == (20, 3.0):
+        # A guess that is no smaller than what is found ends the search.
+        assert computed == [(20, 2.0), (20, 3.0)]
+
+
+def test_face_loads_are_told_of_the_teeth_that_bear_most() -> None:
+    """Factors 1.5 and 1.2 at two positions with 100 and 90 N/mm, a third with little; straight 1.1, crowned 1.05."""
+    factors = {"own": [1.5, 1.2, 9.0], "straight": [1.1, 1.1, 1.1], "best": [1.05, 1.3, 1.0]}
+
+    class Model(SimpleNamespace):
+        def factors(self, loads: Any) -> np.ndarray:
+            key = "straight" if self.askew_mm == 0.0 else "best" if self.lead.crowning_mm == 0.008 else "own"
+            return np.array(factors[key])
+
+    class Contacts(SimpleNamespace):
+        def on(self, gear: Any) -> Any:
+            return Made(tooth=np.array([3, 4, 5]))
+
+    model = Model(askew_mm=0.012, lead=Made(crowning_mm=0.002))
+    loads = Made(force_n=np.ones(3), kept=lambda mask: mask)
+    loading: Any = Made(model=model, loads_of=lambda *_: loads)
+    contacts: Any = Contacts(force_n=np.ones(3), position=np.arange(3), over_width_n=np.array([100.0, 90.0, 1.0]))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(face_load, "replace", lambda one, **changes: type(one)(**{**vars(one), **changes}))
+        asked: list[Any] = []
+        patch.setattr(face_load, "best_crowning_mm", lambda model, heavy, most: asked.append((heavy, most)) or 0.0083)
+        told: Any = face_load.told_face_load(loading, contacts, 1.0, np.ones(3))
+        assert face_load.told_face_load(Made(model=None), contacts, 1.0, np.ones(3)) is None
+    assert [sorted(vars(one).values()) for one in (told.least, told.greatest, told.decisive)] == [
+        [1.2, 4],
+        [1.5, 3],
+        [1.5, 3],
+    ]
+    assert asked[0][0].tolist() == [True, True, False]
+    assert (told.by_shafts, told.askew_um, told.crowning_um, told.best_um) == pytest.approx((1.1, 12.0, 2.0, 8.0))
+    # 1.3 times 90 N/mm over the 100 of the decisive tooth is more than 1.05.
+    assert told.best == pytest.approx(1.17)

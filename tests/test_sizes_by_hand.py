@@ -2,26 +2,32 @@
 
 from __future__ import annotations
 
-from math import log, pi, radians, sin, sqrt
+from math import degrees, log, pi, radians, sin, sqrt
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from pydantic import BaseModel
 
 from at_once import at_once
 from drives import drive_of_text
+from ncgear.design.trains.planetary import TipPathKeys
 from ncgear.drawings.animation import artists
 from ncgear.drawings.scene import standing
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.advice.machine_advice import _of_unit
 from ncgear.metrology.as_measured import TIP_LAND_CURVE, is_metal
+from ncgear.optimum.makeable import law
 from ncgear.project import jamming
 from ncgear.project.law_task import _of_undercut
 from ncgear.ratio.sampled_strokes import EVERYWHERE, edges_about
 from ncgear.screening.rows import _steeper_deg
+from ncgear.studio import form
 from ncgear.teeth import fouling
+from ncgear.trains import path_search
+from ncgear.wishes.dwell import Dwell
 
 Made: Any = SimpleNamespace
 
@@ -160,3 +166,73 @@ def test_a_tooth_that_fouls_without_a_tip_below_is_refused_by_its_number(monkeyp
     with pytest.raises(NoSuchMechanism, match="no tip 1"):
         fouling._free_of(own, paths, lambda *_: np.array([True]))
     assert fouling._free_of(own, paths, lambda *_: np.array([False])) is own
+
+
+@pytest.mark.judges("wishes")
+def test_a_dwell_is_offered_within_what_the_output_can_keep_in_its_own_unit(monkeypatch: pytest.MonkeyPatch) -> None:
+    """0.02 rad from an end are 1.15 deg, told a little above; other ends, lengths and ratios go on to the search."""
+    asked: list[Any] = []
+    monkeypatch.setattr("ncgear.wishes.dwell.nearest_dwell_mm", lambda *given: asked.append(given) or 0.02)
+    linkage: Any = Made(OUTPUT=Made(place=Made(factor=180.0 / pi, text="deg", ending="deg")))
+    wish: Any = Made(end="extended", for_rad=0.5, eased=lambda words, **keys: (words, keys))
+    ((words, keys),) = Dwell.instead(wish, linkage, 4.0)
+    assert asked == [(linkage, "extended", 0.5, 4.0)]
+    assert list(keys) == ["within_deg"]
+    assert float(keys["within_deg"]) == pytest.approx(degrees(0.02), rel=1e-3)
+    assert words == f"one within {keys['within_deg']} deg"
+
+
+@pytest.mark.judges("optimum")
+def test_a_search_from_an_even_crank_goes_on_from_the_law_that_comes_nearest(monkeypatch: pytest.MonkeyPatch) -> None:
+    found: dict[str, Any] = {}
+    monkeypatch.setattr(law, "kept", lambda search, start: found.get(start))
+
+    def search(near: Any) -> Any:
+        return Made(begun=lambda _: "begun", nearest=lambda start: near)
+
+    near = Made(excess=0.5 * law.NO_EXCESS, coefficients="near")
+    assert law._from_even(search(near)) is None
+    found["near"] = 2
+    assert law._from_even(search(near)) == 2
+    assert law._from_even(search(Made(excess=2.0 * law.NO_EXCESS, coefficients="near"))) is None
+    assert law._from_even(search(None)) is None
+    found["begun"] = 1
+    assert law._from_even(search(near)) == 1
+
+
+@pytest.mark.judges("design")
+def test_a_tip_goes_straight_from_the_point_with_the_number_that_is_given() -> None:
+    """From the second of six points, counted from 1: more places lie on the line to the third."""
+    points = [[100.0, 0.0], [60.0, 80.0], [0.0, 100.0], [-90.0, 30.0], [-60.0, -80.0], [30.0, -90.0]]
+    tool = [{"point": 3, "angle_deg": 90.0}]
+    path = TipPathKeys(points_mm=points, straight=[2], tolerance_mm=0.2, tool=tool).wished()
+    more = path.points.size - 6
+    assert more > 0
+    assert path.points[1] == 60.0 + 80.0j
+    between = path.points[2 : 2 + more]
+    share = (between - (60.0 + 80.0j)) / (-60.0 + 20.0j)
+    assert share.imag == pytest.approx(0.0, abs=1e-12)
+    assert ((share.real > 0.0) & (share.real < 1.0)).all()
+    ((place, angle),) = path.tool_rad
+    assert (path.points[place], angle) == (100.0j, pytest.approx(pi / 2.0))
+    assert path.tolerance_mm == pytest.approx(0.2)
+
+
+@pytest.mark.judges("trains")
+@at_once(("least", "words"), [(-0.2, "would have to turn back"), (0.001, "all but stands")])
+def test_a_carrier_that_cannot_go_on_is_told_where(least: float, words: str) -> None:
+    """Near the second of three points, where the tip is when the ratio is least."""
+    ratio = np.array([1.0, least, 0.5])
+    motion: Any = Made(hardness=([ratio], np.arange(3.0)), tip=lambda w: np.array([10.0j + w[0]]))
+    path: Any = Made(points=np.array([0.0, 10.0j, 30.0]), name=lambda number: number + 1)
+    with pytest.raises(NoSuchMechanism, match=f"the carrier {words} against the sun near point 2, at 1, 10 mm"):
+        path_search._accepted(motion, path, Made())
+
+
+@pytest.mark.judges("studio")
+@at_once(("value", "step"), [(123.4, 1.0), (8.0, 0.01), (0.5, 0.001), (45_000.0, 100.0), (None, 0.01), (-25.0, 0.1)])
+def test_a_step_of_a_field_is_a_hundredth_as_a_power_of_ten(value: Any, step: float) -> None:
+    key: Any = Made(rule={"type": "number"})
+    assert form._step(key, value, BaseModel) == step
+    key.rule = {"type": "integer"}
+    assert form._step(key, value, BaseModel) == 1

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import re
 from collections.abc import AsyncIterator
+from contextlib import nullcontext
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -261,3 +262,31 @@ def test_another_mechanism_has_the_same_crank_and_keeps_what_has_the_same_keys()
     assert "masses" not in back
     none = editing._another_mechanism(text, editing.NO_LINKAGE)
     assert none["linkage"] is none["masses"] is None
+
+
+@pytest.mark.parametrize(
+    ("changes", "design", "taken"),
+    [
+        ({"name": "optimize"}, None, "press-optimized.yaml"),
+        ({"name": "optimize", "status": 2}, None, None),
+        ({"name": "build"}, None, None),
+        ({"name": "design"}, "machine-1", "machine-1.yaml"),
+        ({"name": "design"}, "machine-9", None),
+    ],
+)
+def test_what_a_command_has_found_is_taken_over(
+    changes: dict[str, Any], design: str | None, taken: str | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "machines.json").write_text('{"machines": [{"name": "machine-1"}]}')
+    (tmp_path / "press-optimized.yaml").write_text("")
+    monkeypatch.setattr(open_page, "design_on_disk", lambda path: Fake(text=path.name))
+    stepped: list[str] = []
+
+    async def step(text: str) -> None:
+        stepped.append(text)
+
+    page: Any = Fake(_job=lambda message: job(folder=tmp_path, **changes), _step=step)
+    page.history = Fake(kept=lambda text: text)
+    with nullcontext() if taken else pytest.raises(WrongInput, match="has found no design"):
+        asyncio.run(open_page.OpenPage.adopt(page, {"design": design}))
+    assert stepped == ([taken] if taken else [])
