@@ -161,7 +161,7 @@ def test_radii_of_an_ellipse_about_its_focus() -> None:
 @pytest.mark.parametrize("case", CASES, ids=str)
 def test_mechanisms_there_and_back(case: Case) -> None:
     """The driven angle at x = phi_1^2, and the displacement at that angle, which is x again."""
-    linkage, write = case.mechanism, writing.Writer("phi_1")
+    linkage, write = case.mechanism, writing.FormulaWriter("phi_1")
     x = write.step("x", write.variable**2)
     left = write.step("left", sympy.sqrt(write.number("stroke", linkage.stroke_mm) - x))
     linkages.driven_angle(write, linkage, x, write.step("gone", write.variable), left)

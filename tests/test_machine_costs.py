@@ -138,7 +138,7 @@ def test_a_machine_holds_is_cut_and_has_a_motor(
 ) -> None:
     """With a verdict that breaks nothing; what does not hold is told with the width that would do."""
     monkeypatch.setattr(machine_room, "judged", lambda drive, known, seconds: SimpleNamespace(rows=()))
-    monkeypatch.setattr(machine_room, "figures_of", lambda drive: (replace(HAS, **has), MEAN))
+    monkeypatch.setattr(machine_room, "machine_and_law_figures", lambda drive: (replace(HAS, **has), MEAN))
     monkeypatch.setattr(machine_room, "cut_words", lambda drive, process: cut)
     monkeypatch.setattr(machine_room, "_wider", lambda drive: 1.3)
     rows = [{"name": "m", "power_w": power, "cost": 2.0} for power in motors]

@@ -186,6 +186,8 @@ def test_no_law_has_less_than_the_least_of_all_parts_of_the_range(
     monkeypatch.setattr(limits, "least_mean_power_w", lambda task: mean_w)
     machines = [Made(figures=Made(peak_power_w=power)) for power in (120.0, 90.0, 100.0)]
     one: Any = Made(machines=machines, sweeps=None, design=Made(masses=1), task=None)
+    # What is left is raised by a programme, here by nothing
+    one.motion, one.raised = lambda number: None, lambda bounds, jobs: bounds
     one._flywheel_parts = lambda: np.zeros((2, 2))
     assert limits.MachineLimits.power_w(one) == least_w
     assert asked[0] == pytest.approx([90.0, 90.0], rel=1e-3)

@@ -540,14 +540,17 @@ def test_pitch_curves_show_both_gears_and_concave_stretches_only_where_there_are
 
 @pytest.mark.slow
 def test_tooth_pair_shows_every_position() -> None:
-    positions = [gears.Position(angle, angle, 50.0) for angle in (0.0, 1.0, 2.0)]
+    positions = [gears.AssembledPosition(angle, angle, 50.0) for angle in (0.0, 1.0, 2.0)]
     pixels = shades(gears.teeth_png(gears.Assembled(wavy(50.0, 0.0), wavy(50.0, pi), 100.0), 2.5, positions, "teeth"))
     for column in np.array_split(pixels[:, : pixels.shape[1] // 3 * 3], 3, axis=1):
         assert min(near(column, DRIVING), near(column, DRIVEN)) > 300
 
 
 def test_gears_turn_opposite_ways() -> None:
-    pair, at = gears.Assembled(wavy(50.0, 0.0), wavy(50.0, pi), 100.0), gears.Position(pi / 2.0, pi / 2.0, 50.0)
+    pair, at = (
+        gears.Assembled(wavy(50.0, 0.0), wavy(50.0, pi), 100.0),
+        gears.AssembledPosition(pi / 2.0, pi / 2.0, 50.0),
+    )
     for gear, place in ((Gear.DRIVING, [0.0, 1.0]), (Gear.DRIVEN, [100.0, -1.0])):
         np.testing.assert_allclose(pair.placed(gear, np.array([[1.0, 0.0]]), at), [place], atol=1e-13)
 

@@ -326,7 +326,12 @@ def test_the_smallest_of_all_sizes_is_computed_and_accepted(accepted: float, fou
 
     search: Any = Made(trials=0, most_computed=10, weak={(40, 2.0)}, teeth=lambda: [20, 40], widened=widened)
     search.space, search.volume = Made(modules_mm=[2.0, 3.0, 4.0]), lambda teeth, module: 0.9 * teeth * module**2
-    best = sizing._Search.smallest_of_all(search, lambda one: one.volume_mm3 > accepted + 150.0)
+
+    def accepts(one: Any) -> sizing.Accepted:
+        return sizing.Accepted.YES if one.volume_mm3 > accepted + 150.0 else sizing.Accepted.NO
+
+    search.polished = lambda found, accepts: found
+    best = sizing._Search.smallest_of_all(search, accepts)
     assert (best and (best.teeth, best.module_mm)) == found
     assert computed[0] == (20, 2.0)
     assert (40, 2.0) not in computed

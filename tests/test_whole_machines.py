@@ -148,7 +148,7 @@ def test_what_is_not_offered_is_refused_by_its_key() -> None:
     bare = rewritten(PUSHER, {"gears": None})
     with pytest.raises(DesignError, match="gears: missing"):
         MachineSearch(parsed(bare, Path("wish.yaml")))
-    with pytest.raises(DesignError, match=r"limits\.stages: two pairs; the search for whole machines"):
+    with pytest.raises(DesignError, match=r"motion\.second_stage: several pairs; the search for whole"):
         MachineSearch(loaded("baler-66-two-stage"))
 
 
