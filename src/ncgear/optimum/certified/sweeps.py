@@ -47,6 +47,13 @@ LEVELS, ROUNDS = 13, 3
 LOWERED, STEPS_DOWN = 0.998, 20
 """Ratio by which the curve is lowered where no slope is possible, and most such steps at a place of a sweep."""
 
+RESOLVED = 0.5
+"""Most change of a slope over a cell, as a share of q, for which the slopes at three places tell where a curve ends.  The
+loads of light machines change slopes faster; a motion then follows its equilibrium, and cells tell nothing."""
+
+NEARBY = 1e-6
+"""Share of q between two slopes that tell how fast a slope changes with q."""
+
 ROUNDING = 1e-7
 """Share of the time of a cycle, and of levels, that rounding errors may make."""
 
@@ -188,14 +195,20 @@ class Sweeps:
         room = 2.0 * np.abs(middle - (first + last) / 2.0) + ROUNDING
         end = q + step * ((first + last) / 2.0 + sign * room)
         line = (np.maximum if most else np.minimum)(first, last) + sign * room
-        bounded = np.isfinite(end)
+        bounded = np.isfinite(end) & self._resolved(limits, (cell, here), q, first, most)
+        bounded &= self._resolved(limits, (cell, there), other, last, most)
         return np.where(bounded, end, inf), np.where(bounded, line, sign * inf)
+
+    def _resolved(self, limits: SweptLimits, at: tuple[int, int], q: Array, slope: Array, most: int) -> Array:
+        """Whether the slope follows from no load, or changes so slowly with q that a cell's places tell it, (k,)."""
+        own, beside = (self.slopes_by_loads(limits, at, one)[most] for one in (q, q * (1.0 + NEARBY)))
+        changes = np.abs(beside - own) * self.step[at[0]]
+        return np.asarray(~np.isfinite(own) | (own != slope) | (changes <= RESOLVED * NEARBY * q))
 
     def slopes(self, limits: SweptLimits, at: tuple[int, int], q: Array) -> tuple[Array, Array]:
         """The least and the greatest q' that all limits allow at a place of a cell, (k,); crossed without any."""
         asked, speed, known = self.asked, self.task.speed_rad_s, self.known
-        s = np.sqrt(q)
-        most = 2.0 * asked.steepness * (q + s) if asked.steepness < inf else np.full(q.shape, inf)
+        most = 2.0 * asked.steepness * (q + np.sqrt(q)) if asked.steepness < inf else np.full(q.shape, inf)
         least = -most
         if asked.acceleration_mm_s2 < inf:
             first, bend = float(known.first[at]), float(known.second[at])
@@ -203,16 +216,23 @@ class Sweeps:
                 peak = (1.0 + ROUNDING) * asked.acceleration_mm_s2 / speed**2
                 ends = 2.0 * (peak - bend * q) / first, 2.0 * (-peak - bend * q) / first
                 least, most = np.maximum(least, np.minimum(*ends)), np.minimum(most, np.maximum(*ends))
+        lower, upper = self.slopes_by_loads(limits, at, q)
+        return np.maximum(least, lower), np.minimum(most, upper)
+
+    def slopes_by_loads(self, limits: SweptLimits, at: tuple[int, int], q: Array) -> tuple[Array, Array]:
+        """The same that power, braking power and flank load allow, (k,) each."""
+        asked, speed, known = self.asked, self.task.speed_rad_s, self.known
+        s, least = np.sqrt(q), np.full(q.shape, -inf)
         torque = known.static[at] + speed**2 * known.by_q[at] * q
         # Each bound takes the size of the flywheel's range that bounds least
         half = speed**2 * (known.by_rate[at] + 1e-3 * limits.flywheel_kg_mm2) / 2.0
         massless = half[1] <= 0.0
         spare = 1000.0 * limits.power_w / (speed * s) - torque
         # Without masses the power is a limit of q, which cells have
-        most = np.minimum(most, np.where(massless, inf, _over(spare, half)))
+        most = np.where(massless, inf, _over(spare, half))
         if asked.braking_w < inf:
             spare = 1000.0 * asked.braking_w / (speed * s) + torque
-            least = np.maximum(least, np.where(massless, -inf, -_over(spare, half)))
+            least = np.where(massless, -inf, -_over(spare, half))
         if not np.isfinite(limits.flank_load_n_mm).any():
             return least, most
         for sign, angle in zip((1.0, -1.0), self.angles, strict=True):
