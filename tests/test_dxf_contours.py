@@ -291,7 +291,7 @@ def bomb(space: Any) -> None:
     for depth in range(1, 6):
         block = space.doc.blocks.new(str(depth))
         for place in range(10):
-            block.add_blockref(str(depth - 1), (place, 0.0))
+            block.add_blockref(str(depth - 1), (place * 10.0**depth, 0.0))
     space.add_blockref("5", (0.0, 0.0))
 
 

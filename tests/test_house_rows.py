@@ -155,10 +155,10 @@ class Dummy(LawKeys):
             "from ncgear.ratio.laws.harmonic ": "from ncgear.ratio.laws.dummy import swung_angle",
             "def _spiral(": """\
 def _swung(piece, swing, lobes):
-    write = Writer("phi_1")
+    write = FormulaWriter("phi_1")
     x = lobes.driving * write.variable
     write.step("phi_2", (x - write.number("swing", swing) * sympy.sin(x)) / lobes.driven)
-    yield Part("swing", _ends(piece), write)
+    yield PiecePart("swing", _ends(piece), write)
 
 """,
             "    spiral.spiral_angle:": "    swung_angle: _swung,",
@@ -216,7 +216,7 @@ class DummyMasses(ShaftMasses, first=True):
         "design/mechanisms.py": {
             "from ncgear.errors ": "from ncgear.design.keys.machine import DummyKeys\n"
             "from ncgear.design.keys.masses import DummyMasses",
-            '    "crank_rocker":': '    "dummy": Entry("dummy", DummyKeys, DummyMasses),',
+            '    "crank_rocker":': '    "dummy": MechanismEntry("dummy", DummyKeys, DummyMasses),',
         },
         "formulas/linkages.py": {
             "from ncgear.mechanisms.mechanism ": "from ncgear.mechanisms.dummy import Dummy",
@@ -310,7 +310,7 @@ CHART = Dummy(
         "drawings/charts/teeth_charts.py": {
             "def sliding(": """\
 def dummy(designed):
-    line = Line(Role.OWN, "as designed", _angle_deg(designed), np.ones(designed.placement.phi1_rad.size))
+    line = ChartLine(Role.OWN, "as designed", _angle_deg(designed), np.ones(designed.placement.phi1_rad.size))
     return Chart("dummy", "", (line,), _cycle_deg(designed))
 
 """

@@ -572,7 +572,7 @@ def test_the_ring_is_drawn_turned_with_the_driving_gear() -> None:
     """By phi2 = 0.3: as one that stands at 0.3 with phi2 = 0.  Titles, which name phi2, are in the upper half."""
 
     def mesh_view(outline: Array, phi2: float) -> Array:
-        shown = [gears.Position(0.0, phi2, -RADIUS / 2.0)]
+        shown = [gears.AssembledPosition(0.0, phi2, -RADIUS / 2.0)]
         pair = gears.Assembled(wavy(4000) / 2.0, outline, RADIUS / 2.0, RADIUS + 10.0)
         pixels = picture(gears.teeth_png(pair, MODULE, shown, "teeth"))
         return pixels[pixels.shape[0] // 2 :]

@@ -156,7 +156,7 @@ def test_a_face_that_is_moved_by_two_tolerances_is_seen() -> None:
     gear = drive("ellipse").teeth.driving
     contour = contour_of(gear, 5e-4)
     for off, seen in ((0.0, False), (1e-3, True)):
-        data = writer.part_bytes(writer.Part("driving", brep.gear_shape(moved(contour, off), plate(12.0))), "")
+        data = writer.part_bytes(writer.StepSolid("driving", brep.gear_shape(moved(contour, off), plate(12.0))), "")
         if seen:
             with pytest.raises(AssertionError):
                 require_agreement(data, gear, 5e-4, 12.0)
@@ -260,7 +260,7 @@ def test_a_missing_library_is_named_before_the_file_is_read(run: Run, monkeypatc
 def test_a_file_of_another_solid_is_a_fault() -> None:
     contour = contour_of(drive("ellipse").teeth.driving, 5e-4)
     own, wider = (brep.gear_shape(contour, plate(width)) for width in (12.0, 12.001))
-    data = writer.part_bytes(writer.Part("driving", own), "")
+    data = writer.part_bytes(writer.StepSolid("driving", own), "")
     writer.require_same(data, [own])
     with pytest.raises(Unanswered, match="a STEP file holds 224 faces"):
         writer.require_same(data, [wider])

@@ -256,6 +256,7 @@ KNOWN = {
     "published.name": "author and year",
     "linkage": "{crank_mm: 380, rod_mm: 960}",
     "resistance.table": "{displacement_mm: [0, 400, 760], force_n: [0, 2000, 30000]}",
+    "train.resistance.table": "{angle_deg: [0, 180], torque_n_m: [5, 10]}",
     "resistance.table.displacement_mm": "[0, 400, 760]",
     "resistance.table.force_n": "[0, 2000, 30000]",
     "keyway.width_mm": "4",

@@ -16,7 +16,6 @@ from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.plane import as_complex
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.project.drive import Drive
-from ncgear.project.gear_solids import rim_mm_of
 from ncgear.project.service import choices_of
 from ncgear.project.tooth_form import tooth_form_of
 from ncgear.project.tooth_load import asked_of
@@ -314,6 +313,8 @@ def _walls_mm(drive: Drive, gear: Gear, phi1_rad: Array) -> Array:
     """
     body, curve = getattr(drive.gears, gear.value), drive.pitch.of(gear)
     if curve.is_ring:
+        from ncgear.project.gear_solids import rim_mm_of
+
         rim_mm = rim_mm_of(drive.gears, drive.pitch.size.module_mm)
         return np.asarray(_farthest_mm(drive, gear) + rim_mm - np.abs(_roots_mm(drive, gear, phi1_rad)))
     given = [body.web.rim_mm] if body.web else []
