@@ -264,7 +264,7 @@ def text(drawing):
         "files/read_back.py": {
             "def flattened(": """\
 def outline_of_dummy(data):
-    rows = np.loadtxt(BytesIO(data))
+    rows = np.loadtxt(data.decode().splitlines())
     return flattened(rows[:, :2], rows[:, 2])
 
 """
