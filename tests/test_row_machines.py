@@ -7,7 +7,9 @@ whichever of its meshes it is seen in.
 from __future__ import annotations
 
 from functools import cache
+from math import cos, radians
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,14 +21,15 @@ from ncgear.design.reading.design_file import load, load_train, parsed
 from ncgear.design.rewritten import design_copy
 from ncgear.drawings.scene.geared_pairs import SceneGear
 from ncgear.drawings.scene.scene import scene_of_teeth
-from ncgear.errors import WrongInput
+from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
+from ncgear.project.opened import loads
 from ncgear.project.rough_strength import rough_strength
 from ncgear.project.strengthening import rating_of
 from ncgear.project.tolerance import _mesh_and_limits, lot_of
-from ncgear.project.tolerance_limits import tolerances_of
+from ncgear.project.tolerance_limits import left_of_backlash, tolerances_of
 from ncgear.strength.holding import Damage
 from ncgear.strength.life import MEAN_STRESS, pressed_mpa
 from ncgear.trains.chain import same_flanks
@@ -74,6 +77,13 @@ def test_every_mesh_of_a_row_passes_the_power_of_the_last_gear(idlers: str) -> N
         assert pair.tooth_load.torque_n_mm(angle) * speed == pytest.approx(12_000.0 * whole.derivative(1), rel=1e-9)
         angle = turned.value
     assert angle == pytest.approx(whole.value, abs=1e-12)
+
+
+ROW_OF_ROUND = (
+    "name: row\noperation: {{speed_rpm: 60}}\nmotion: {{law: ratio_expression, ratio: '1'}}\n"
+    "gears: {{teeth: 40, module_mm: 2, face_width_mm: 10, backlash_mm: 0.1, "
+    "idlers: {{lobes: [1], bends_deg: [{bend}]}}}}\n"
+)
 
 
 def seen(gear: SceneGear, shafts_rad: Array) -> Polygon:
@@ -272,3 +282,18 @@ def test_a_key_of_another_kind_of_train_names_the_kind(tmp_path: Path) -> None:
     with pytest.raises(WrongInput, match="unknown key of kind chain; kind: planetary has it") as wrong:
         load_train(file)
     assert wrong.value.key == "train.arms"
+
+
+def test_gears_of_a_row_that_overlap_are_refused() -> None:
+    """Three axes 80 mm apart with a bend of 150 deg: the outer two are 2 80 cos(75 deg) = 41.411 mm apart."""
+    row = ROW_OF_ROUND.format(bend=150)
+    with pytest.raises(NoSuchMechanism, match=r"gears 1 and 3 of the row overlap.*41\.411 mm apart.*80 mm together"):
+        _ = loads(row).row
+    assert loads(ROW_OF_ROUND.format(bend=119)).row.count == 3
+
+
+def test_a_row_needs_the_backlash_that_its_deviations_take() -> None:
+    """Plays along the normal of 0.1 mm of which 0.03 are left: 0.07 mm would be enough."""
+    pair: Any = loads(ROW_OF_ROUND.format(bend=40)).by_stage[0]
+    base_mm = 40.0 * cos(radians(20.0))
+    assert left_of_backlash(pair, np.array([0.03 / base_mm])) == pytest.approx([-0.07], abs=1e-9)

@@ -217,7 +217,7 @@ def test_rows_say_what_the_models_say() -> None:
 def test_a_group_that_is_left_out_begins_with_values_that_are_right() -> None:
     text = text_of("baler")
     for row in rows_of(form(data_of(text))):
-        # Gears of two lobes or more pump, those that turn to and fro have end stops, those without a machine have idlers.
+        # Gears of two lobes or more pump, those that turn to and fro have end stops, those alone have idlers.
         needs_more = row["path"].endswith(("housing", "end_stop", "idlers"))
         if row.get("begin") is not None and row["path"].startswith("gears") and not needs_more:
             parsed(edited(text, {row["path"]: row["begin"]}), DESIGNS / "x.yaml")

@@ -194,7 +194,9 @@ class Geared(Moving):
         from ncgear.trains.chain import PairRow
 
         assert self.gears.idlers is not None
-        return PairRow(tuple(pair.pitch for pair in self.by_stage), self.gears.idlers.directions_rad)
+        row = PairRow(tuple(pair.pitch for pair in self.by_stage), self.gears.idlers.directions_rad)
+        row.require_apart("gears.idlers.bends_deg")
+        return row
 
     @computed
     def row_form(self) -> ToothForm:

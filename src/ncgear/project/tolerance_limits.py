@@ -112,13 +112,17 @@ def left_of_backlash(pair: Drive, least_play_rad: Array) -> Array:
     """The backlash left in assemblies with given least plays if the backlash were 0, in the unit of its key.
 
     The plays are for teeth in the middle of their thickness, the result is for the thickest teeth that the file allows.
-    Along the normal they are measured where its arm is least, like the key.
+    Along the normal they are measured where its arm is least, like the key.  Gears of a row have as much play along the
+    normal everywhere, so that they turn least where its arm is greatest: the result is then too little, if anything.
     """
     least_arm_mm = idle_arms_mm(pair.pitch, pair.rack)[0].value
     unit = degrees(1.0) if pair.gears.backlash_deg is not None else least_arm_mm
     lower, upper = thickness_limits_mm(pair.gears) or (0.0, 0.0)
     thicker_rad = (upper - lower) * cos(pair.rack.angles_rad[1]) / least_arm_mm
-    return np.asarray(unit * (least_play_rad - pair.play.driven_rad - thicker_rad))
+    given_rad = pair.play.driven_rad
+    if pair.gears.idlers is not None:
+        given_rad, thicker_rad = pair.play.least_normal_mm.value / least_arm_mm, 0.0
+    return np.asarray(unit * (least_play_rad - given_rad - thicker_rad))
 
 
 class Process(StrEnum):

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
+from itertools import combinations, pairwise
 from math import cos, degrees, gcd, lcm, pi
 
 import numpy as np
 
-from ncgear.errors import below, renamed
+from ncgear.errors import NoSuchMechanism, below, renamed
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.pitch.pair import PitchPair, sized_pair
@@ -56,6 +56,20 @@ class PairRow:
             for pair, direction in zip(self.pairs, self.directions_rad, strict=True)
         ]
         return np.cumsum([0j, *steps])
+
+    def require_apart(self, key: str) -> None:
+        """Raise NoSuchMechanism, with ``key``, where two gears that do not mesh overlap at every angle."""
+        driven = [pair.radius_range_mm(Gear.DRIVEN)[0] for pair in self.pairs]
+        least, axes = (self.pairs[0].radius_range_mm(Gear.DRIVING)[0], *driven), self.axes_mm
+        for first, last in combinations(range(self.count), 2):
+            apart, needed = float(np.abs(axes[last] - axes[first])), least[first] + least[last]
+            if last > first + 1 and apart < needed:
+                raise NoSuchMechanism(
+                    f"gears {first + 1} and {last + 1} of the row overlap at every angle: their axes are {apart:.5g} "
+                    f"mm apart, and the least radii of their pitch curves are {needed:.5g} mm together; smaller bends, or "
+                    "bends to both sides, spread the row",
+                    key=key,
+                )
 
     @property
     def cycle_rad(self) -> float:

@@ -48,8 +48,8 @@ LOWERED, STEPS_DOWN = 0.998, 20
 """Ratio by which the curve is lowered where no slope is possible, and most such steps at a place of a sweep."""
 
 RESOLVED = 0.5
-"""Most change of a slope over a cell, as a share of q, for which the slopes at three places tell where a curve ends.  The
-loads of light machines change slopes faster; a motion then follows its equilibrium, and cells tell nothing."""
+"""Most change of a slope over a cell, as a share of q, for which the slopes at three places tell where a curve ends.
+The loads of light machines change slopes faster; a motion then follows its equilibrium, and cells tell nothing."""
 
 NEARBY = 1e-6
 """Share of q between two slopes that tell how fast a slope changes with q."""
