@@ -40,7 +40,7 @@ def test_sweeps_of_a_light_machine_refuse_no_power_of_a_law() -> None:
     flywheel = np.array([[432.0], [466.0]])
     powers = np.linspace(71.43, 100.0, 25)
     assert sweeps.possible(SweptLimits(np.full(25, inf), powers, np.repeat(flywheel, 25, axis=1))).all()
-    assert 60.0 < least_power(sweeps, flywheel, np.array([100.0]))[0] < 71.42
+    assert least_power(sweeps, flywheel, np.array([100.0]))[0] < 71.42
 
 
 def test_a_law_that_pairs_share_by_their_number_is_not_optimised() -> None:

@@ -66,8 +66,8 @@ class PairRow:
             if last > first + 1 and apart < needed:
                 raise NoSuchMechanism(
                     f"gears {first + 1} and {last + 1} of the row overlap at every angle: their axes are {apart:.5g} "
-                    f"mm apart, and the least radii of their pitch curves are {needed:.5g} mm together; smaller bends, or "
-                    "bends to both sides, spread the row",
+                    f"mm apart, and the least radii of their pitch curves are {needed:.5g} mm together; smaller bends, "
+                    "or bends to both sides, spread the row",
                     key=key,
                 )
 

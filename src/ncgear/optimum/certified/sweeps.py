@@ -47,7 +47,7 @@ LEVELS, ROUNDS = 13, 3
 LOWERED, STEPS_DOWN = 0.998, 20
 """Ratio by which the curve is lowered where no slope is possible, and most such steps at a place of a sweep."""
 
-RESOLVED = 0.5
+RESOLVED = 0.1
 """Most change of a slope over a cell, as a share of q, for which the slopes at three places tell where a curve ends.
 The loads of light machines change slopes faster; a motion then follows its equilibrium, and cells tell nothing."""
 
@@ -200,7 +200,9 @@ class Sweeps:
         return np.where(bounded, end, inf), np.where(bounded, line, sign * inf)
 
     def _resolved(self, limits: SweptLimits, at: tuple[int, int], q: Array, slope: Array, most: int) -> Array:
-        """Whether the slope follows from no load, or changes so slowly with q that a cell's places tell it, (k,)."""
+        """Whether the slope follows from no load of masses, or changes so slowly that a cell's places tell it, (k,)."""
+        if self.task.masses is None:
+            return np.ones(q.shape, dtype=bool)
         own, beside = (self.slopes_by_loads(limits, at, one)[most] for one in (q, q * (1.0 + NEARBY)))
         changes = np.abs(beside - own) * self.step[at[0]]
         return np.asarray(~np.isfinite(own) | (own != slope) | (changes <= RESOLVED * NEARBY * q))
