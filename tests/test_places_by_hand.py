@@ -1,0 +1,138 @@
+"""Places, bounds and counts on a few numbers that are done by hand: cuts, excesses, normals, stretches, ends."""
+
+from __future__ import annotations
+
+import signal
+from math import pi
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from shapely import LinearRing, Polygon, points
+
+from ncgear.cli.lookup import _into_settings
+from ncgear.cli.progress import Lines
+from ncgear.errors import Unanswered
+from ncgear.figures.advice.law_advice import stretches_in_words
+from ncgear.kinematics.motion import WIDENING, _about
+from ncgear.metrology.round_tool import _Outline
+from ncgear.numerics.sampled import HIGHER, Functions
+from ncgear.pitch.pair import sized_pair
+from ncgear.pitch.shape import Mesh
+from ncgear.ratio.laws.uniform import uniform_law
+from ncgear.ratio.transmission import Lobes
+from ncgear.strength.elements import plane
+from ncgear.strength.elements.mesh import Topology
+from ncgear.studio import server
+from ncgear.teeth.form import ToothForm
+from ncgear.teeth.gear import toothed_pair
+from pairs import rack
+
+Made: Any = SimpleNamespace
+
+
+@pytest.mark.judges("kinematics")
+def test_cuts_close_in_on_a_corner_from_both_sides() -> None:
+    """0.1 wide at 2: cuts 0.1, 0.4 and 1.6 before and after it; the next ones would be over half a turn away."""
+    assert sorted(_about(2.0, 0.1) - 2.0) == pytest.approx([-1.6, -0.4, -0.1, 0.0, 0.1, 0.4, 1.6])
+    assert pi < WIDENING * 1.6
+
+
+@pytest.mark.judges("numerics")
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_curve_that_bends_to_one_side_exceeds_its_points_by_its_bend(sign: float) -> None:
+    """1, 4, 9, 16 bend by 2 everywhere; 1, 4, 9, 18 by 4 at the end."""
+    values = sign * np.array([[[1.0, 1.0], [4.0, 4.0], [9.0, 9.0], [16.0, 18.0]]])
+    assert Functions(values).higher == pytest.approx(HIGHER * np.array([[2.0, 4.0]]))
+
+
+@pytest.mark.judges("cli")
+@pytest.mark.parametrize(("total", "count"), [(None, ""), (1, ""), (2, " (1 of 2 done)")])
+def test_a_line_of_progress_counts_steps_from_two_on(total: int | None, count: str) -> None:
+    lines = Lines("starting", total, lambda: 5.0)
+    lines.update("teeth", 1, total)
+    assert lines.line == f"0 s: teeth{count}"
+
+
+@pytest.mark.judges("figures")
+def test_a_stretch_over_the_end_of_the_period_is_told_as_one() -> None:
+    assert stretches_in_words([(0.0, 20.0), (350.0, 360.0)], 360.0) == "350..20"
+    assert stretches_in_words([(0.0, 20.0), (100.0, 110.0), (350.0, 360.0)], 360.0) == "100..110, 350..20"
+    assert stretches_in_words([(0.0, 360.0)], 360.0) == "0..360"
+
+
+@pytest.mark.judges("studio")
+@pytest.mark.parametrize(("sig", "status"), [(signal.SIGINT, 0), (signal.SIGTERM, 143)])
+def test_a_studio_that_hangs_at_its_end_leaves_with_the_status_of_its_signal(
+    monkeypatch: pytest.MonkeyPatch, sig: int, status: int
+) -> None:
+    """143 = 128 + 15, as a shell counts; Ctrl-C is no fault."""
+    set_handlers: dict[int, Any] = {}
+    left: list[int] = []
+    monkeypatch.setattr(server.signal, "signal", set_handlers.__setitem__)
+    monkeypatch.setattr(server.signal, "setitimer", lambda *_: None)
+    monkeypatch.setattr(server.os, "_exit", left.append)
+    monkeypatch.setattr(server.uvicorn.Server, "handle_exit", lambda *_: None)
+    made = object.__new__(server._Server)
+    made.handle_exit(sig, None)
+    set_handlers[signal.SIGALRM]()
+    assert left == [status]
+
+
+@pytest.mark.judges("cli")
+def test_the_settings_of_an_editor_are_written_below_its_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    found = Made(files={"settings.json": b"{}"}, patterns={"yaml": ["a.yaml"]})
+    monkeypatch.setattr("ncgear.files.editor.editor_files", lambda _: found)
+    _into_settings(tmp_path)
+    place = tmp_path / ".vscode" / "settings.json"
+    assert place.read_bytes() == b"{}"
+    assert capsys.readouterr().out.startswith(f"{place}\nthe extension")
+
+
+@pytest.mark.judges("strength")
+def test_displacements_that_do_not_balance_their_load_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A solver whose answer is leaves a force at one of all nodes."""
+    first = plane.splu
+
+    def off(*given: Any, **options: Any) -> Any:
+        right = first(*given, **options)
+
+        def solve(load: Any) -> Any:
+            alone = np.zeros_like(load)
+            alone[0] = 1.0
+            return right.solve(load) + right.solve(alone)
+
+        return Made(solve=solve)
+
+    none = np.zeros(0, dtype=int)
+    cells, held = np.array([[0, 1, 2, 3]]), np.array([True, True, False, False])
+    topology = Topology(1, cells, none, held, none[None], 0, none)
+    nodes, at, force = (
+        np.array([[0.0, 1.0, 1.0j, 1.0 + 1.0j]]),
+        np.array([[0.0, 0.0, 1.0, 0.0]]),
+        np.array([[1.0 + 0.0j]]),
+    )
+    material: Any = Made(youngs_modulus_mpa=2.1e5, poisson=0.3)
+    plane.displacements(topology, nodes, material, at, force)
+    monkeypatch.setattr(plane, "splu", off)
+    with pytest.raises(Unanswered, match="do not balance"):
+        plane.displacements(topology, nodes, material, at, force)
+
+
+@pytest.mark.judges("metrology")
+@pytest.mark.parametrize("lobes", [Lobes(), pytest.param(Lobes(1, 2), marks=pytest.mark.slow)])
+def test_normals_for_a_round_tool_lead_out_of_the_material(lobes: Lobes) -> None:
+    """A thousandth of a module along the normals and against them, by shapely; a ring's material is outside."""
+    mesh = Mesh.EXTERNAL if lobes == Lobes() else Mesh.INTERNAL
+    pair = toothed_pair(sized_pair(uniform_law(lobes), 24, 2.0, None, mesh), ToothForm(rack()), 0.005)
+    for gear in (pair.driving, pair.driven):
+        outline = _Outline(gear)
+        ring = Polygon(LinearRing(outline.at(np.arange(outline.kind.size * 8) / 8.0)[0]))
+        # Middles of curves, away from their edges
+        point, normal = outline.at(np.arange(outline.kind.size) + 0.5)
+        for side, inside in ((2e-3, gear.flanks.curve.is_ring), (-2e-3, not gear.flanks.curve.is_ring)):
+            assert (ring.contains(points(point + side * normal)) == inside).mean() > 0.9
