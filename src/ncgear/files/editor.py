@@ -10,15 +10,16 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import islice
 from json.decoder import JSONDecoder
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from ncgear.design.keys.balance import Balance
 from ncgear.design.keys.base import Model
 from ncgear.design.keys.design import Design, json_schema
+from ncgear.design.trains.registry import TrainFile
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 
@@ -139,15 +140,26 @@ SETTINGS_FOLDER, SETTINGS_FILE = ".vscode", "settings.json"
 SETTING = "yaml.schemas"
 """The setting in which the extension looks for schemas; it gives each schema its files."""
 
-SCHEMAS: dict[str, type[Model]] = {"ncgear.schema.json": Design, "ncgear-balance.schema.json": Balance}
-"""The files of the schemas, beside the settings."""
 
-OF_DESIGN = re.compile(r"^motion\s*:", flags=re.MULTILINE)
-OF_BALANCE = re.compile(
-    rf"^(?:{'|'.join(name for name in Balance.model_fields if name not in Design.model_fields)})\s*:",
-    flags=re.MULTILINE,
-)
-"""Keys at the left margin by which the text of a design file and of a balance file is recognized."""
+class SchemaKind(NamedTuple):
+    """Files of a schema: their model, and the keys at the left margin by which their text is recognized."""
+
+    model: type[Model]
+    keys: re.Pattern[str]
+
+
+def _begun_by(names: Iterable[str]) -> re.Pattern[str]:
+    return re.compile(rf"^(?:{'|'.join(names)})\s*:", flags=re.MULTILINE)
+
+
+SCHEMAS = {
+    "ncgear.schema.json": SchemaKind(Design, _begun_by(["motion"])),
+    "ncgear-balance.schema.json": SchemaKind(
+        Balance, _begun_by(name for name in Balance.model_fields if name not in Design.model_fields)
+    ),
+    "ncgear-train.schema.json": SchemaKind(TrainFile, _begun_by(["train"])),
+}
+"""The files of the schemas, beside the settings."""
 
 MOST_FILES, LONGEST_BYTES = 5000, 1_000_000
 """Most YAML files that are read, and the largest size of each in bytes."""
@@ -174,15 +186,8 @@ def editor_files(folder: Path) -> EditorFiles:
     cannot be read as JSON with comments.
     """
     place = folder / SETTINGS_FOLDER
-    patterns = dict(zip(SCHEMAS, _patterns(folder), strict=True))
-    if not any(patterns.values()):
-        patterns["ncgear.schema.json"] = [ANY]
-    patterns = {name: found for name, found in patterns.items() if found}
-    files = {
-        name: f"{json.dumps(json_schema(model), indent=2)}\n".encode()
-        for name, model in SCHEMAS.items()
-        if name in patterns
-    }
+    patterns = _patterns(folder) or {next(iter(SCHEMAS)): [ANY]}
+    files = {name: f"{json.dumps(json_schema(SCHEMAS[name].model), indent=2)}\n".encode() for name in patterns}
     files[SETTINGS_FILE] = _settings(place / SETTINGS_FILE, patterns)
     return EditorFiles({name: new for name, new in files.items() if _bytes(place / name) != new}, patterns)
 
@@ -198,7 +203,7 @@ def _bytes(path: Path) -> bytes | None:
 
 
 def _settings(path: Path, patterns: dict[str, list[str]]) -> bytes:
-    """The settings with both schemas; files that a person has added to a schema's stay."""
+    """The settings with the schemas; files that a person has added to a schema's stay."""
     wanted = {f"./{SETTINGS_FOLDER}/{name}": globs for name, globs in patterns.items()}
     try:
         if path.is_symlink():
@@ -223,22 +228,23 @@ def _settings(path: Path, patterns: dict[str, list[str]]) -> bytes:
     return text.encode()
 
 
-def _patterns(folder: Path) -> tuple[list[str], list[str]]:
-    """Patterns of the design files and of the balance files below a folder, by their paths from it.
+def _patterns(folder: Path) -> dict[str, list[str]]:
+    """Patterns of the files below a folder by their schema, as paths from the folder.
 
     The pattern is ``NAME/*.yaml`` where all YAML files in and below a folder are of one kind; otherwise each file has
     its own.  In the extension's patterns a star also matches folders, and two schemas of one file would contradict.
     """
-    kinds = {path.relative_to(folder): _kind(path) for path in islice(_yaml_files(folder), MOST_FILES)}
-    found: dict[re.Pattern[str] | None, dict[str, None]] = {OF_DESIGN: {}, OF_BALANCE: {}, None: {}}
-    for path, kind in kinds.items():
-        alone = (place for place in reversed(path.parents) if _all_below(kinds, place) == {kind})
+    kinds = {path.relative_to(folder): _schema(path) for path in islice(_yaml_files(folder), MOST_FILES)}
+    found: dict[str, dict[str, None]] = {name: {} for name in SCHEMAS}
+    for path, schema in kinds.items():
+        alone = (place for place in reversed(path.parents) if _all_below(kinds, place) == {schema})
         place = next(alone, None)
-        found[kind][path.as_posix() if place is None else (place / ANY).as_posix()] = None
-    return list(found[OF_DESIGN]), list(found[OF_BALANCE])
+        if schema is not None:
+            found[schema][path.as_posix() if place is None else (place / ANY).as_posix()] = None
+    return {name: list(patterns) for name, patterns in found.items() if patterns}
 
 
-def _all_below(kinds: dict[Path, re.Pattern[str] | None], place: Path) -> set[re.Pattern[str] | None]:
+def _all_below(kinds: dict[Path, str | None], place: Path) -> set[str | None]:
     return {kind for path, kind in kinds.items() if path.is_relative_to(place)}
 
 
@@ -248,11 +254,11 @@ def _yaml_files(folder: Path) -> Iterator[Path]:
         yield from (Path(place) / name for name in sorted(names) if name.endswith(".yaml"))
 
 
-def _kind(path: Path) -> re.Pattern[str] | None:
+def _schema(path: Path) -> str | None:
     try:
         if path.stat().st_size > LONGEST_BYTES:
             return None
         text = path.read_text(encoding="utf-8", errors="replace")
     except OSError:
         return None
-    return next((kind for kind in (OF_DESIGN, OF_BALANCE) if kind.search(text)), None)
+    return next((name for name, kind in SCHEMAS.items() if kind.keys.search(text)), None)
