@@ -318,9 +318,9 @@ class _DrivenSide:
         return *near_pairs(self.meshing, phi1_rad, self.speed_rad_s, self.most_n_mm), inertia, self.asked(phi1_rad)
 
 
-NearPairs = list[list[float]] | Array
-"""The arm, the touching angle, the stiffness and the rate of that angle in rad/s of each of some pairs; of many, as an
-array of shape (4, pairs)."""
+NearPairs = list[list[list[float]]] | Array
+"""The arm, the touching angle, the stiffness and the rate of that angle in rad/s of each of some pairs, for either side
+of the teeth, the pairs that touch first before the others; of many, as an array of shape (4, pairs)."""
 
 MANY = 16
 """Number of pairs, as of sections of helical teeth, from which arrays are faster than plain numbers."""
@@ -335,14 +335,20 @@ def near_pairs(
     """
     near = meshing.gaps.at(phi1_rad)
     arm, ahead = near.urge * near.lever_mm, near.urge * near.error_rad
-    turning = np.where(arm, near.stiffness * arm**2, np.inf)
-    first = np.stack([np.where(near.urge == side, ahead, -np.inf).max(axis=-1) for side in (1.0, -1.0)])
-    behind = np.where(near.urge > 0.0, first[0][:, None], first[1][:, None]) - ahead
-    reached = np.any((arm != 0.0) & (behind <= HARDEST * most_n_mm / turning.min()), axis=0)
+    reach_rad = HARDEST * most_n_mm / float(np.where(arm, near.stiffness * arm**2, np.inf).min())
     rate = near.slopes[0] * np.reshape(speed_rad_s, (-1, 1))
-    pairs = np.stack([one[:, reached] for one in (arm, near.error_rad, near.stiffness, rate)], axis=1)
-    levers: Array = near.lever_mm.max(axis=-1)
-    return list(pairs) if pairs.shape[-1] > MANY else np.moveaxis(pairs, 1, -1).tolist(), levers
+    pairs, levers = np.stack([arm, near.error_rad, near.stiffness, rate], axis=-1), near.lever_mm.max(axis=-1)
+    sides = list[Array]()
+    for side in (1.0, -1.0):
+        key = np.where(near.urge == side, ahead, -np.inf)
+        reached = key >= key.max(axis=-1, keepdims=True) - reach_rad
+        most = int(np.count_nonzero(reached & (near.urge == side), axis=-1).max())
+        order = np.argsort(-key, axis=-1)[:, :most, None]
+        # Empty places have no arm, so that they never touch.
+        sides.append(np.take_along_axis(pairs * (near.urge == side)[..., None], order, axis=1))
+    if sum(one.shape[1] for one in sides) > MANY:
+        return list(np.swapaxes(np.concatenate(sides, axis=1), 1, 2)), levers
+    return list(zip(*(one.tolist() for one in sides), strict=True)), levers
 
 
 def moment_n_mm(impact: Impact, pairs: NearPairs, ahead_rad: float, speed_rad_s: float, later_s: float = 0.0) -> float:
@@ -359,9 +365,11 @@ def moment_n_mm(impact: Impact, pairs: NearPairs, ahead_rad: float, speed_rad_s:
         return float(arms @ impact.force_n(impact.elastic_n(depths, stiffnesses), damped))
     # Plain numbers, as Impact has them for any: the knocks of a turn ask a hundred thousand times.
     total, exponent, full, deep = 0.0, impact.exponent, impact.damping_n_s_mm, impact.full_damping_depth_mm
-    for arm, error_rad, stiffness, rate_rad_s in pairs:
-        depth = arm * (error_rad + later_s * rate_rad_s - ahead_rad)
-        if depth > 0.0:
+    for side in pairs:
+        for arm, error_rad, stiffness, rate_rad_s in side:
+            depth = arm * (error_rad + later_s * rate_rad_s - ahead_rad)
+            if depth <= 0.0:
+                break
             damping = full if depth >= deep else full * ramp(depth / deep)
             force = stiffness * depth**exponent + damping * arm * (rate_rad_s - speed_rad_s)
             if force > 0.0:
