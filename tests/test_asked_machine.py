@@ -1,4 +1,4 @@
-"""A file for ``ncgear design`` from ten answers: what each changes, the likely answers, and wrong answers."""
+"""A file for ``ncgear design`` from eleven answers: what each changes, the likely answers, and wrong answers."""
 
 from __future__ import annotations
 
@@ -63,19 +63,21 @@ def test_each_answer_changes_its_keys() -> None:
     text = machine_template("mine", MachineName.PUMP)
     answers = {
         "force": "830",
+        "shocks": "1.75",
         "mass": "1.6",
         "materials": "42CrMo4, 18CrNiMo7-6",
         "processes": "wire_cut, hobbed",
         "space": "140",
         "flywheel": "0.002",
     }
-    # Delivery at 400 N and 15 N of friction
-    assert likely_answers(text)["force"] == "415"
+    # Delivery at 400 N and 15 N of friction; valves that knock
+    assert (likely_answers(text)["force"], likely_answers(text)["shocks"]) == ("415", "1.25")
     made = loads(asked_text("mine", MachineName.PUMP, {"stroke_mm": 60, "speed_rpm": 120}, answers)).design
     assert made.resistance is not None
     assert made.resistance.table.force_n == (0.0, 800.0, 800.0)
     assert made.resistance.returning.table.force_n == (120.0, 120.0, 0.0)
     assert made.resistance.friction_n == 30.0
+    assert made.strength.application_factor == 1.75
     assert made.masses.slider_kg == 1.6
     assert [one.material.name for one in made.choices.materials] == ["42CrMo4", "18CrNiMo7-6"]
     assert made.choices.processes == ("wire_cut", "hobbed")
@@ -89,6 +91,8 @@ def test_each_answer_changes_its_keys() -> None:
     ("question", "answer", "said"),
     [
         ("force", "much", "much given; a number over 0 is right"),
+        ("shocks", "0.5", "0.5 given; a number of 1 or over is needed"),
+        ("shocks", "hard", "hard given; a number over 0 is right"),
         ("mass", "-2", "-2 given; a number over 0 is right"),
         ("materials", "butter", "butter"),
         ("processes", "milled", "milled"),
@@ -102,16 +106,17 @@ def test_wrong_answers(question: str, answer: str, said: str) -> None:
 
 
 @pytest.mark.slow
-def test_ten_questions_at_a_terminal(tmp_path: Path) -> None:
-    answers = ["mine", "pump", "80", "", "none", "600", "", "butter", "", "", "150", "none"]
+def test_eleven_questions_at_a_terminal(tmp_path: Path) -> None:
+    answers = ["mine", "pump", "80", "", "none", "600", "1.5", "", "butter", "", "", "150", "none"]
     status, shown = at_terminal(["new", "--design"], [f"{answer}\n" for answer in answers], tmp_path)
     assert (status, shown.splitlines()[-1]) == (0, "mine.yaml")
     asked = [line for line in shown.splitlines() if "]: " in line]
-    # The name, ten questions, and a question again for butter
-    assert len(asked) == 12
+    # The name, eleven questions, and a question again for butter
+    assert len(asked) == 13
     assert asked[-1].startswith("largest flywheel on the driven shaft in kg m2, or none [0.0024]")
     made = load(tmp_path / "mine.yaml").design
     assert made.linkage.crank_mm == 40.0
+    assert made.strength.application_factor == 1.5
     assert made.resistance.table.force_n[1] == pytest.approx(400.0 * 600.0 / 415.0, rel=1e-4)
     assert made.choices.center_distance_mm == 150.0
 

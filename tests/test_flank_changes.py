@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import pi, sqrt
 
 import numpy as np
@@ -19,7 +20,7 @@ from ncgear.dynamics.flank_changes import (
     Knock,
     borne_torque,
     joined,
-    moment_n_mm,
+    moments_n_mm,
     near_pairs,
 )
 from ncgear.dynamics.gaps import Gaps
@@ -65,18 +66,46 @@ def highest(found: BorneTorque, low: float, high: float, sign: float) -> float:
     return float((sign * found.at(np.linspace(low, high, 20001))).max())
 
 
-def test_pairs_press_by_the_law_of_impact() -> None:
-    """F = k d^e + step(d, 0, 0, d_full, c) d', never below 0, by its arm: of plain numbers and of arrays."""
-    rng, impact = np.random.default_rng(5), Impact(1.5, 40.0, 0.002)
-    pairs = rng.uniform([-40.0, -1e-4, 1e5, -0.1], [40.0, 1e-4, 1e6, 0.1], (40, 4))
-    expected, ahead, speed, later = 0.0, 2e-5, 0.03, 1e-4
-    for arm, error, stiffness, rate in pairs:
-        depth, closing = arm * (error + later * rate - ahead), arm * (rate - speed)
-        if depth > 0.0:
-            part = min(depth / 0.002, 1.0)
-            expected += arm * max(stiffness * depth**1.5 + 40.0 * (3.0 * part**2 - 2.0 * part**3) * closing, 0.0)
-    for form in (pairs.tolist(), pairs.T):
-        assert moment_n_mm(impact, form, ahead, speed, later) == pytest.approx(expected, rel=1e-12)
+def sides_of(pairs: np.ndarray, later: float) -> list[list[list[float]]]:
+    """Rows of pairs by the sign of their arm, those first that touch first."""
+    own = [[row for row in pairs.tolist() if row[0] * sign > 0.0] for sign in (1.0, -1.0)]
+    return [sorted(rows, key=lambda row: -row[0] * (row[1] + later * row[3])) for rows in own]
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.5])
+def test_pairs_press_by_the_law_of_impact(exponent: float) -> None:
+    """F = k d^e + step(d, 0, 0, d_full, c) d', never below 0, by its arms: of plain numbers and of arrays."""
+    rng, impact = np.random.default_rng(5), Impact(exponent, 40.0, 0.002)
+    pairs = rng.uniform([49.0, -1e-4, 1e5, -0.1, 48.0], [50.0, 1e-4, 1e6, 0.1, 51.0], (40, 5))
+    pairs[:, [0, 4]] *= rng.choice([-1.0, 1.0], (40, 1))
+    for ahead, speed, later in ((2e-5, 0.03, 1e-4), (0.0, 0.0, 0.0), (-5e-5, -0.7, 1e-5)):
+        normal, turning = 0.0, 0.0
+        for arm, error, stiffness, rate, rubbed in pairs:
+            depth, closing = arm * (error + later * rate - ahead), arm * (rate - speed)
+            if depth > 0.0:
+                part = min(depth / 0.002, 1.0)
+                damping = 40.0 * (3.0 * part**2 - 2.0 * part**3)
+                force = max(stiffness * depth**exponent + damping * closing, 0.0)
+                normal, turning = normal + arm * force, turning + rubbed * force
+        for form in (sides_of(pairs, later), pairs.T):
+            assert moments_n_mm(impact, form, ahead, speed, later) == pytest.approx((normal, turning), rel=1e-12)
+
+
+def test_friction_takes_from_the_moment_or_adds_to_it() -> None:
+    """Of settled teeth N arm = T arm / (arm + mu v2), with v2 the driven point's speed along the tangent."""
+    mu, along = 0.1, 12.0
+    for driving, sign in ((20.0, 1.0), (4.0, -1.0)):
+        sides = np.array([[0.0, LEVER_MM, driving, along, STIFFNESS], [PLAY_RAD, LEVER_MM, driving, along, STIFFNESS]])
+        gaps = replace(teeth().gaps, table=PeriodicTable(np.array([0.0, TURN]), sides[None, None]))
+        mesh = replace(teeth(damping=DAMPED), gaps=gaps, friction=Friction(mu, mu, 1e-3, 2e-3))
+
+        def asked(phi1_rad: np.ndarray) -> np.ndarray:
+            return np.where(phi1_rad % TURN < pi, 1e5, 3e5)
+
+        found = borne_torque(mesh, load(), asked, SPEED, TURN, finer=(1.0,))
+        pushed = 3e5 * LEVER_MM / (LEVER_MM + sign * mu * along)
+        last = found.torque_n_mm[:, np.searchsorted(found.phi1_rad, found.phi1_rad[0] // TURN * TURN + TURN - 0.01)]
+        assert last == pytest.approx([pushed, 3e5], rel=2e-3)
 
 
 DAMPING = 0.05
@@ -117,14 +146,14 @@ def test_flanks_that_part_meet_again_and_swing_as_in_closed_form() -> None:
     assert peak > 3.0 * float(-saw(np.array([end]))[0])
     # They are followed until nothing swings: over the last swings the teeth bear what is asked.
     last = slice(-CHECKED * PER_SWING, None)
-    left = np.abs(found.torque_n_mm[last] - saw(found.phi1_rad[last]))
+    left = np.abs(found.torque_n_mm[0, last] - saw(found.phi1_rad[last]))
     assert left.max() < 1.01 * SETTLED * saw(np.linspace(0.0, TURN, 1001)).max()
 
 
 def test_between_stretches_that_are_followed_the_teeth_bear_what_is_asked() -> None:
     """Of two stretches, each by its own places; the knocks of the last cycle are told, within one."""
-    first = FollowedStretch(np.array([1.0, 1.5, 2.0]), np.array([5.0, 6.0, 7.0]), [Knock(1.2, 3.0)])
-    second = FollowedStretch(np.array([2.2, 3.0]), np.array([1.0, 2.0]), [Knock(2.5, 4.0)])
+    first = FollowedStretch(np.array([1.0, 1.5, 2.0]), np.tile([5.0, 6.0, 7.0], (2, 1)), [Knock(1.2, 3.0)])
+    second = FollowedStretch(np.array([2.2, 3.0]), np.tile([1.0, 2.0], (2, 1)), [Knock(2.5, 4.0)])
     found = joined([first, second], lambda phi1: np.full(phi1.shape, 0.1), TURN)
     assert found.at(np.array([1.25, 2.05, 2.15, 2.6, 3.5])) == pytest.approx([5.5, 0.1, 0.1, 1.5, 0.1])
     assert np.all(np.diff(found.phi1_rad) > 0.0)
@@ -146,22 +175,10 @@ def test_pairs_count_that_the_hardest_load_presses() -> None:
     mesh = Meshing(teeth().law, gaps, Impact(1.0, 0.0, 1e-6), Friction(0.0, 0.0, 1.0, 2.0))
     for reach, errors in ((5e-4, [0.0, play]), (1.1e-3, [0.0, -behind, play])):
         (pairs,), levers = near_pairs(mesh, np.array([1.0]), SPEED, reach * TURNING / HARDEST)
+        pairs = [one for side in pairs for one in side]
         assert [one[1] for one in pairs] == pytest.approx(errors)
         assert [one[0] for one in pairs] == pytest.approx([LEVER_MM] * (len(errors) - 1) + [-LEVER_MM])
         assert levers.tolist() == [LEVER_MM]
-
-
-@pytest.mark.parametrize("exponent", [1.0, 1.5])
-def test_many_pairs_press_as_few_do(exponent: float) -> None:
-    """Arrays and plain numbers tell the same moment, with damping, pulls left out and what comes later."""
-    generator, impact = np.random.default_rng(8), Impact(exponent, 30.0, 2e-3)
-    arms = generator.choice([-1.0, 1.0], 40) * generator.uniform(40.0, 60.0, 40)
-    pairs = np.array(
-        [arms, generator.normal(0.0, 1e-4, 40), generator.uniform(3e4, 5e4, 40), generator.normal(size=40)]
-    )
-    for ahead, speed, later in ((0.0, 0.0, 0.0), (1e-5, 0.4, 0.0), (-5e-5, -0.7, 1e-5)):
-        one_by_one = moment_n_mm(impact, pairs.T.tolist(), ahead, speed, later)
-        assert moment_n_mm(impact, pairs, ahead, speed, later) == pytest.approx(one_by_one, rel=1e-12)
 
 
 def test_teeth_without_play_bear_what_is_asked() -> None:

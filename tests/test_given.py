@@ -79,6 +79,22 @@ IDLE: dict[str, tuple[str, Data, Data]] = {
         {"simulation": {"friction": STEADY}},
         {"simulation": {"friction": {**STEADY, "static": 0.2}}},
     ),
+    "pauses of metal": (
+        "strength.duty_cycle is given with gears of metal",
+        {"strength": {"duty_cycle": 0.3, "lubrication": "grease"}},
+        {
+            "strength": {"duty_cycle": 0.3, "lubrication": "grease"},
+            "gears": {**PUMP["gears"], "material": {"driving": "C45", "driven": "POM"}},
+        },
+    ),
+    "pauses in oil": (
+        "strength.duty_cycle is given with teeth in oil",
+        {"strength": {"duty_cycle": 0.3}, "gears": {**PUMP["gears"], "material": "POM"}},
+        {
+            "strength": {"duty_cycle": 0.3, "lubrication": "dry"},
+            "gears": {**PUMP["gears"], "material": "POM"},
+        },
+    ),
     "nowhere negative": (
         "resistance.where_negative is given with a load that is nowhere negative",
         {"resistance": {"polynomial_n": [50], "where_negative": "keep"}},

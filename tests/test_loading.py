@@ -246,6 +246,21 @@ def test_few_newtons_bear_on_as_many_pairs_as_the_closed_form_counts() -> None:
     assert even("uniform", 24, 1e5).contact_ratio > ratio + 0.05
 
 
+@pytest.mark.thorough
+def test_roots_are_rated_at_the_highest_point_of_single_contact() -> None:
+    """There the next pair begins to touch: a pitch along the line of action after the first point, for both gears.
+
+    The load of half the teeth is largest elsewhere.
+    """
+    contacts, pitch_mm = loading("uniform", 24, 0.1).contacts, pi * MODULE * cos(radians(20.0))
+    alone = contacts.kept(np.bincount(contacts.position)[contacts.position] == 1)
+    highest = 48.0 * sin(radians(20.0)) - sqrt((13.0 * MODULE) ** 2 - BASE**2) + pitch_mm
+    for gear in Gear:
+        own, way = alone.on(gear), np.zeros(24)
+        np.maximum.at(way, own.tooth - 1, np.sqrt(np.abs(own.point) ** 2 - BASE**2))
+        assert np.all((highest - pitch_mm / 600.0 < way) & (way < highest))
+
+
 def test_without_torque_nothing_bears() -> None:
     found = even("uniform", 24, 0.0)
     assert found.contacts.force_n.size == 0

@@ -13,7 +13,9 @@ import pytest
 from ncgear.contact.placement import BACK, PUSHING
 from ncgear.drivetrain.bearings import BearingLife
 from ncgear.drivetrain.shafts import ALLOWED_OF_YIELD
+from ncgear.dynamics.history import meetings_s
 from ncgear.errors import Unanswered, WrongInput
+from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
 from ncgear.pitch.shape import Gear
 from ncgear.project import drivetrain, forces, sizing
@@ -174,6 +176,20 @@ def test_the_place_of_the_largest_value_is_that_of_its_teeth() -> None:
     assert sorted(vars(told).values()) == sorted([7.0, 0.2, 2, 5])
     nowhere = surfaces._place(touching, np.array([-1.0, -1.0, -1.0]))
     assert sorted(vars(nowhere).values()) == sorted([0.0, 0.0, 1, 1])
+
+
+@pytest.mark.judges("dynamics")
+def test_flanks_that_meet_exactly_at_a_sample_are_found() -> None:
+    """|t - 2| - 1 is zero at 1 and 3, with a sample there and without; t^2 only touches zero, from above or below."""
+
+    def apart(time_s: Array) -> Array:
+        return np.abs(time_s - 2.0) - 1.0
+
+    for samples in (np.arange(5.0), np.arange(0.3, 4.0), np.array([0.0, 1.0, 2.0, 3.5])):
+        assert meetings_s(apart, samples) == pytest.approx([1.0, 3.0], abs=1e-12)
+        assert meetings_s(lambda time_s: -apart(time_s), samples) == pytest.approx([1.0, 3.0], abs=1e-12)
+    assert meetings_s(lambda time_s: -(time_s**2), np.arange(-2.0, 3.0)).size == 0
+    assert set(meetings_s(np.square, np.arange(-2.0, 3.0))) == {0.0}
 
 
 @pytest.mark.judges("strength")

@@ -11,6 +11,7 @@ import pytest
 
 from at_once import at_once
 from ncgear.contact.designed.flanks import FlankContacts
+from ncgear.design.keys.strength import PairMaterial
 from ncgear.drawings.scene.scene import Scene
 from ncgear.dynamics import quasi_static
 from ncgear.dynamics.crank_load import _Stroke
@@ -239,15 +240,23 @@ def test_flanks_are_told_of_where_they_scuff_wear_or_are_hardly_parted(
 
 
 @pytest.mark.judges("figures")
-def test_the_gear_that_wears_most_is_told_with_its_tooth_and_oil_is_advised_to_dry_ones() -> None:
+def test_the_gear_that_wears_most_is_told_with_its_tooth_and_what_helps_its_material() -> None:
+    """Oil helps dry flanks; only steel and iron can be hardened, once."""
     depths = tuple(ContactValue(value, 0.1, 3, 5) for value in (0.02, 0.5))
     wear = Wear((1.0, 1.0), depths, 0.6, 0.25, 1000.0)
-    for lubrication, remedies in (("dry", 3), ("grease", 2)):
-        advice = strength_advice._wear(wear, lubrication)
+    for lubrication, material, remedies in (
+        ("dry", "C45", ["oil", "hardened flanks", "larger gears"]),
+        ("grease", "C45", ["hardened flanks", "larger gears"]),
+        ("grease", "16MnCr5", ["larger gears"]),
+        ("dry", "POM", ["oil", "larger gears"]),
+    ):
+        gears = Made(material=PairMaterial.model_validate({"driving": "C45", "driven": material}))
+        drive: Any = Made(gears=gears, conditions=Made(lubrication=lubrication))
+        advice = strength_advice._wear(wear, drive)
         assert "tooth 5 of the driven gear loses 0.5 mm" in advice.what
         assert "a tenth of the module, 0.25 mm," in advice.what
         assert "by up to 0.6 mm" in str(advice)
-        assert len(advice.remedies) == remedies
+        assert [one.short for one in advice.remedies] == remedies
 
 
 @pytest.mark.judges("figures")

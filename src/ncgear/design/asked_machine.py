@@ -1,4 +1,4 @@
-"""A design file for ``ncgear design`` from ten answers: a machine's text with the given forces, masses and choices.
+"""A design file for ``ncgear design`` from eleven answers: a machine's text with the given forces, masses and choices.
 
 Kind, stroke, speed and wishes are answered as for any new machine (``design.beginning``).  The other answers are texts;
 each kind of machine has likely answers to them.
@@ -22,10 +22,12 @@ from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.rewritten import rewritten
 from ncgear.design.template import MachineName, choices_template
 
-FORCE, MASS, MATERIALS, PROCESSES, SPACE, FLYWHEEL = "force", "mass", "materials", "processes", "space", "flywheel"
+FORCE, SHOCKS, MASS, MATERIALS = "force", "shocks", "mass", "materials"
+PROCESSES, SPACE, FLYWHEEL = "processes", "space", "flywheel"
 
 QUESTIONS = {
     FORCE: "greatest force against the slider in N",
+    SHOCKS: "shocks beyond that force, as a factor on it: 1 none, 1.25 light, 1.5 moderate, 1.75 heavy",
     MASS: "mass of the slider in kg, with all that moves with it",
     MATERIALS: "materials of the gears that may be chosen, between commas",
     PROCESSES: "ways of making the teeth: hobbed, shaped, wire_cut, printed, between commas",
@@ -69,6 +71,7 @@ def likely_answers(text: str) -> dict[str, str]:
     material = data["gears"]["material"]
     return {
         FORCE: f"{max(map(max, forces)):.4g}",
+        SHOCKS: f"{data.get('strength', {}).get('application_factor', 1.0):g}",
         MASS: f"{data['masses']['slider_kg']:g}",
         MATERIALS: material,
         PROCESSES: "printed" if material == PRINTED else "hobbed",
@@ -123,6 +126,8 @@ def _changed(data: Mapping[str, Any], text: str, answers: Mapping[str, str]) -> 
     for question, answer in answers.items():
         if question == FORCE and answer != likely[FORCE]:
             yield from _scaled(data["resistance"], "resistance", _number(answer) / float(likely[FORCE]))
+        elif question == SHOCKS and answer != likely[SHOCKS]:
+            yield "strength.application_factor", _number(answer)
         elif question == MASS:
             yield "masses.slider_kg", _number(answer)
         elif question == MATERIALS:

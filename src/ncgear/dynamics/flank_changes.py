@@ -8,7 +8,8 @@ pairs that touch,
 
 so that the driven side flies freely across the play where T reverses (M = 0), and swings where T jumps and where pairs
 come and go.  This is Lagrange's equation of ``ncgear.dynamics.crank_load`` to the first order of x., without the
-changes of J and of the load with x.  M is that of ``ncgear.dynamics.meshing`` without friction.  The driving shaft's
+changes of J and of the load with x.  M is that of ``ncgear.dynamics.meshing``, with friction that slides as the law
+does: teeth bear the moment of their normal forces, and friction takes a part of it or adds to it.  The driving shaft's
 own inertia is left out: a shaft that yields softens knocks.
 
 The equation is integrated for x and the momentum p = J x. by Verlet's method (Stoermer's rule; e.g. E. Hairer, C.
@@ -67,6 +68,10 @@ SETTLED, TOUCHING = 0.03, 0.5
 swings), and as a share of the torque there, so that they do not part again."""
 
 
+NORMAL, TURNING = 0, 1
+"""Rows of torques: of the normal forces, and with friction."""
+
+
 @dataclass(frozen=True)
 class Knock:
     """Flanks that meet after a parting: the driving angle in rad, and their speed along the normal in mm/s.
@@ -83,36 +88,49 @@ class BorneTorque:
     """The torque in N mm that the teeth bear in a cycle, with all its ``knocks``; None where these are not followed.
 
     ``asked`` is the torque of the law at driving angles, shape (n,).  From the first of ``phi1_rad`` (shape (m,),
-    rising over two cycles at most) on the teeth bear ``torque_n_mm`` instead; NaN stands between two stretches of it.
+    rising over two cycles at most) on there is ``torque_n_mm`` instead, shape (2, m): the moment of the normal forces,
+    and the torque that turns the driven side, which friction makes smaller or larger; NaN stands between two stretches.
     Where a place is followed in two cycles, the later cycle counts.
     """
 
     asked: Callable[[Array], Array]
     cycle_rad: float
     phi1_rad: Array = field(default_factory=lambda: np.empty(0))
-    torque_n_mm: Array = field(default_factory=lambda: np.empty(0))
+    torque_n_mm: Array = field(default_factory=lambda: np.empty((2, 0)))
     knocks: tuple[Knock, ...] | None = None
     others: tuple[BorneTorque, ...] = ()
 
     def at(self, phi1_rad: Array) -> Array:
-        """The torque at driving angles, shape (n,): the larger of the law's torque and the followed torque.
+        """The torque of the normal forces at driving angles, shape (n,): the law's or the followed one, if larger.
 
         The moments at which flying teeth bear less than the law's torque are known less well than the force of their
         knocks.  ``others`` are runs with other steps; the largest torque of all runs counts at each place.
         """
+        return self._larger(phi1_rad, NORMAL)
+
+    @property
+    def turning_n_mm(self) -> Array:
+        """The torque of this run that turns the driven side, shape (m,)."""
+        return self.torque_n_mm[TURNING]
+
+    def turning(self, phi1_rad: Array) -> Array:
+        """As ``at``, the torque that turns the driven side."""
+        return self._larger(phi1_rad, TURNING)
+
+    def _larger(self, phi1_rad: Array, row: int) -> Array:
         torque = asked = self.asked(phi1_rad)
         for one in (self, *self.others):
-            again = one._own(phi1_rad, asked)
+            again = one._own(phi1_rad, asked, row)
             torque = np.where(np.abs(again) > np.abs(torque), again, torque)
         return torque
 
-    def _own(self, phi1_rad: Array, asked: Array) -> Array:
+    def _own(self, phi1_rad: Array, asked: Array, row: int) -> Array:
         """The larger of the ``asked`` torque at driving angles and this run's own, shape (n,)."""
         if not self.phi1_rad.size:
             return asked
         torque, first = asked, self.phi1_rad[0] + (phi1_rad - self.phi1_rad[0]) % self.cycle_rad
         for place in (first, first + self.cycle_rad):
-            followed = np.interp(place, self.phi1_rad, self.torque_n_mm, left=np.nan, right=np.nan)
+            followed = np.interp(place, self.phi1_rad, self.torque_n_mm[row], left=np.nan, right=np.nan)
             torque = np.where(np.isnan(followed), torque, followed)
         return np.where(np.abs(torque) > np.abs(asked), torque, asked)
 
@@ -194,7 +212,7 @@ def flanks_of(torque: Array, idle: float) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class FollowedStretch:
-    """The followed motion after a reversal or a jump: driving angles and torques, shape (n,), and the knocks."""
+    """The followed motion after a reversal or a jump: driving angles (n,), torques (2, n), and the knocks."""
 
     phi1_rad: Array
     torque_n_mm: Array
@@ -207,12 +225,12 @@ def joined(found: list[FollowedStretch], asked: Callable[[Array], Array], cycle_
     for one in found:
         if phi1:
             phi1.append(np.array([(phi1[-1][-1] + one.phi1_rad[0]) / 2.0]))
-            torque.append(np.array([np.nan]))
+            torque.append(np.full((2, 1), np.nan))
         phi1.append(one.phi1_rad)
         torque.append(one.torque_n_mm)
     every = [knock for one in found for knock in one.knocks if knock.phi1_rad > end_rad - cycle_rad]
     knocks = tuple(replace(knock, phi1_rad=knock.phi1_rad % cycle_rad) for knock in every)
-    return BorneTorque(asked, cycle_rad, np.concatenate(phi1), np.concatenate(torque), knocks)
+    return BorneTorque(asked, cycle_rad, np.concatenate(phi1), np.concatenate(torque, axis=1), knocks)
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,8 +263,8 @@ class _DrivenSide:
 
         They are followed at least to the first and at most to the second of ``ends_rad``.
         """
-        torque = [self.asked(np.array([start_rad]))]
-        settled_at = settled_rad(self.meshing, start_rad, float(torque[0][0]), flank, IDLE * self.most_n_mm)
+        torque = [np.tile(self.asked(np.array([start_rad])), (2, 1))]
+        settled_at = settled_rad(self.meshing, start_rad, float(torque[0][0, 0]), flank, IDLE * self.most_n_mm)
         state, phi1, knocks = (settled_at, 0.0), [np.array([start_rad])], list[Knock]()
         settled = False
         while not settled and phi1[-1][-1] < ends_rad[1]:
@@ -257,7 +275,7 @@ class _DrivenSide:
             for first in range(0, middles.size, CHECKED * PER_SWING // HELD):
                 part = slice(first, first + CHECKED * PER_SWING // HELD)
                 borne, state, met = self._stepped(state, pairs[part], inertia[part], asked[part], step_s)
-                phi1.append(phi1[-1][-1] + step_rad * np.arange(1.0, borne.size + 1.0))
+                phi1.append(phi1[-1][-1] + step_rad * np.arange(1.0, borne.shape[1] + 1.0))
                 torque.append(borne)
                 knocks += [
                     Knock(float(middles[part][row]), speed * float(levers[part][row]))
@@ -265,36 +283,37 @@ class _DrivenSide:
                     if speed * float(inertia[part][row]) * swing > SETTLED * self.most_n_mm
                 ]
                 # A swing of this momentum presses the teeth with its torque.
-                missed = float(np.abs(borne - np.repeat(asked[part], HELD)).max())
+                missed = float(np.abs(borne[TURNING] - np.repeat(asked[part], HELD)).max())
                 swinging = max(missed, abs(state[1]) * swing)
                 least, most = float(np.abs(asked[part]).min()), float(np.abs(asked[part]).max())
                 touching = swinging <= TOUCHING * least or most <= IDLE * self.most_n_mm
                 settled = touching and swinging <= SETTLED * self.most_n_mm and phi1[-1][-1] >= ends_rad[0]
                 if settled:
                     break
-        return FollowedStretch(np.concatenate(phi1), np.concatenate(torque), knocks)
+        return FollowedStretch(np.concatenate(phi1), np.concatenate(torque, axis=1), knocks)
 
     def _stepped(
         self, state: tuple[float, float], pairs: Sequence[NearPairs], inertia: Array, asked: Array, step_s: float
     ) -> tuple[Array, tuple[float, float], list[tuple[int, float]]]:
-        """The torque after each of the HELD steps of n rows, shape (n HELD,), and the last state.
+        """The torques after each of the HELD steps of n rows, shape (2, n HELD), and the last state.
 
         A state is the driven angle beyond the law's and its momentum.  Then the row and the speed of meeting flanks.
         """
-        (ahead_rad, momentum), met, every = state, list[tuple[int, float]](), list[float]()
+        (ahead_rad, momentum), met, every = state, list[tuple[int, float]](), list[tuple[float, float]]()
         impact, later_s = self.meshing.impact, [step_s * (step + 1 - HELD / 2) for step in range(HELD)]
-        borne = moment_n_mm(impact, pairs[0], ahead_rad, momentum / float(inertia[0]), -step_s * HELD / 2)
+        normal, turning = moments_n_mm(impact, pairs[0], ahead_rad, momentum / float(inertia[0]), -step_s * HELD / 2)
         for row, (near, mass, load) in enumerate(zip(pairs, inertia.tolist(), asked.tolist(), strict=True)):
             for later in later_s:
-                momentum += 0.5 * step_s * (borne - load)
+                momentum += 0.5 * step_s * (turning - load)
                 speed_rad_s = momentum / mass
                 ahead_rad += step_s * speed_rad_s
-                before, borne = borne, moment_n_mm(impact, near, ahead_rad, speed_rad_s, later)
-                momentum += 0.5 * step_s * (borne - load)
-                if borne and not before:
+                apart = not normal
+                normal, turning = torques = moments_n_mm(impact, near, ahead_rad, speed_rad_s, later)
+                momentum += 0.5 * step_s * (turning - load)
+                if apart and normal:
                     met.append((row, abs(speed_rad_s)))
-                every.append(borne)
-        return np.array(every), (ahead_rad, momentum), met
+                every.append(torques)
+        return np.array(every).T, (ahead_rad, momentum), met
 
     def _step(self, phi1_rad: float) -> tuple[float, float]:
         """The time between two steps of the swings from a place on, and how fast these are in rad/s."""
@@ -318,9 +337,9 @@ class _DrivenSide:
         return *near_pairs(self.meshing, phi1_rad, self.speed_rad_s, self.most_n_mm), inertia, self.asked(phi1_rad)
 
 
-NearPairs = list[list[float]] | Array
-"""The arm, the touching angle, the stiffness and the rate of that angle in rad/s of each of some pairs; of many, as an
-array of shape (4, pairs)."""
+NearPairs = list[list[list[float]]] | Array
+"""The arm, the touching angle, the stiffness, the rate of that angle in rad/s and the arm with friction of each of some
+pairs, for either side of the teeth, the pairs that touch first before the others; of many, an array (5, pairs)."""
 
 MANY = 16
 """Number of pairs, as of sections of helical teeth, from which arrays are faster than plain numbers."""
@@ -335,38 +354,55 @@ def near_pairs(
     """
     near = meshing.gaps.at(phi1_rad)
     arm, ahead = near.urge * near.lever_mm, near.urge * near.error_rad
-    turning = np.where(arm, near.stiffness * arm**2, np.inf)
-    first = np.stack([np.where(near.urge == side, ahead, -np.inf).max(axis=-1) for side in (1.0, -1.0)])
-    behind = np.where(near.urge > 0.0, first[0][:, None], first[1][:, None]) - ahead
-    reached = np.any((arm != 0.0) & (behind <= HARDEST * most_n_mm / turning.min()), axis=0)
-    rate = near.slopes[0] * np.reshape(speed_rad_s, (-1, 1))
-    pairs = np.stack([one[:, reached] for one in (arm, near.error_rad, near.stiffness, rate)], axis=1)
+    reach_rad = HARDEST * most_n_mm / float(np.where(arm, near.stiffness * arm**2, np.inf).min())
+    speed = np.reshape(speed_rad_s, (-1, 1))
+    sliding = (near.driving_mm - near.driven_mm * meshing.law.at(phi1_rad)[1][:, None]) * speed
+    rubbed = arm + meshing.friction.coefficient(sliding) * near.driven_mm
+    pairs = np.stack([arm, near.error_rad, near.stiffness, near.slopes[0] * speed, rubbed], axis=-1)
     levers: Array = near.lever_mm.max(axis=-1)
-    return list(pairs) if pairs.shape[-1] > MANY else np.moveaxis(pairs, 1, -1).tolist(), levers
+    sides = list[Array]()
+    for side in (1.0, -1.0):
+        key = np.where(near.urge == side, ahead, -np.inf)
+        reached = key >= key.max(axis=-1, keepdims=True) - reach_rad
+        most = int(np.count_nonzero(reached & (near.urge == side), axis=-1).max())
+        order = np.argsort(-key, axis=-1)[:, :most, None]
+        # Empty places have no arm, so that they never touch.
+        sides.append(np.take_along_axis(pairs * (near.urge == side)[..., None], order, axis=1))
+    if sum(one.shape[1] for one in sides) > MANY:
+        return list(np.swapaxes(np.concatenate(sides, axis=1), 1, 2)), levers
+    return list(zip(*(one.tolist() for one in sides), strict=True)), levers
 
 
-def moment_n_mm(impact: Impact, pairs: NearPairs, ahead_rad: float, speed_rad_s: float, later_s: float = 0.0) -> float:
-    """The moment of touching pairs on the driven side, for its angle and its speed beyond the law's.
+def moments_n_mm(
+    impact: Impact, pairs: NearPairs, ahead_rad: float, speed_rad_s: float, later_s: float = 0.0
+) -> tuple[float, float]:
+    """The moments of touching pairs on the driven side, of their normal forces and with friction.
 
-    The pairs are those of a time ``later_s`` ago.
+    ``ahead_rad`` and ``speed_rad_s`` are the driven side's angle and speed beyond the law's.  The pairs are
+    those of a time ``later_s`` ago.
     """
     if isinstance(pairs, np.ndarray):
-        arms, errors, _, rates = pairs
+        arms, errors, _, rates, _ = pairs
         depths = arms * (errors + later_s * rates - ahead_rad)
         touching = depths > 0.0
-        (arms, _, stiffnesses, rates), depths = pairs[:, touching], depths[touching]
+        (arms, _, stiffnesses, rates, rubbed), depths = pairs[:, touching], depths[touching]
         damped = impact.damping(depths) * arms * (rates - speed_rad_s)
-        return float(arms @ impact.force_n(impact.elastic_n(depths, stiffnesses), damped))
+        force = impact.force_n(impact.elastic_n(depths, stiffnesses), damped)
+        return float(arms @ force), float(rubbed @ force)
     # Plain numbers, as Impact has them for any: the knocks of a turn ask a hundred thousand times.
-    total, exponent, full, deep = 0.0, impact.exponent, impact.damping_n_s_mm, impact.full_damping_depth_mm
-    for arm, error_rad, stiffness, rate_rad_s in pairs:
-        depth = arm * (error_rad + later_s * rate_rad_s - ahead_rad)
-        if depth > 0.0:
+    exponent, full, deep = impact.exponent, impact.damping_n_s_mm, impact.full_damping_depth_mm
+    normal, turning = 0.0, 0.0
+    for side in pairs:
+        for arm, error_rad, stiffness, rate_rad_s, rubbed in side:
+            depth = arm * (error_rad + later_s * rate_rad_s - ahead_rad)
+            if depth <= 0.0:
+                break
             damping = full if depth >= deep else full * ramp(depth / deep)
             force = stiffness * depth**exponent + damping * arm * (rate_rad_s - speed_rad_s)
             if force > 0.0:
-                total += arm * force
-    return total
+                normal += arm * force
+                turning += rubbed * force
+    return normal, turning
 
 
 def settled_rad(meshing: Meshing, phi1_rad: float, torque_n_mm: float, flank: float, idle: float) -> float:

@@ -124,12 +124,11 @@ def pressed_rad(meshing: Meshing, states: Array) -> Array:
 def meetings_s(pressed: Callable[[Array], Array], time_s: Array) -> Array:
     """Times, between rising times of shape (n,), at which flanks meet or part.
 
-    ``pressed`` gives the angles by which they are pressed into each other, negative where they are apart.
+    ``pressed`` gives the angles by which they are pressed into each other, zero or negative where they are apart.
     The solver's own search for events is not used: it compares the states of steps with the interpolation between them,
     which LSODA does not join to them exactly.
     """
-    sign = np.sign(pressed(time_s))
-    change = np.nonzero(sign[:-1] * sign[1:] < 0.0)[0]
+    change = np.flatnonzero(np.diff(pressed(time_s) > 0.0))
     return zeros_between(pressed, time_s[change], time_s[change + 1]) if change.size else np.empty(0)
 
 

@@ -1,10 +1,10 @@
 """The forces in a machine with knocking teeth: in joints, bearings and shafts, from the torque that the teeth bear.
 
-Where the teeth bear the torque M instead of the law's torque T, the acceleration of the driven side, of inertia J about
-its shaft, exceeds the law's by (M - T) / J.  All moving bodies follow it by the equations of Newton and Euler, so that
-the forces are those of ``ncgear.dynamics.loaded_machine`` with another acceleration.  J is the crank's reduced inertia
-(``ncgear.dynamics.crank_load``).  The slider's deviations of place and speed from the law, and the effect of a knock on
-the guide's friction, are left out: both are small against M - T.
+Where the teeth turn the driven side by M instead of the law's torque T, the acceleration of that side, of inertia J
+about its shaft, exceeds the law's by (M - T) / J.  All moving bodies follow it by the equations of Newton and Euler, so
+that the forces are those of ``ncgear.dynamics.loaded_machine`` with another acceleration.  J is the crank's reduced
+inertia (``ncgear.dynamics.crank_load``).  The slider's deviations of place and speed from the law, and the effect of a
+knock on the guide's friction, are left out: both are small against M - T.
 """
 
 from __future__ import annotations
@@ -50,14 +50,14 @@ class KnockingMachine:
 
     def at(self, phi1_rad: Array) -> Loads:
         """The loads at driving angles in rad, shape (n,)."""
-        return hurried_loads(self.rigid, phi1_rad, self.borne.at(phi1_rad) - self.borne.asked(phi1_rad))
+        return hurried_loads(self.rigid, phi1_rad, self.borne.turning(phi1_rad) - self.borne.asked(phi1_rad))
 
     @property
     def turns_rad(self) -> Array:
         """Driving angles of a cycle at which a swing of the teeth's torque reverses, shape (n,), rising."""
         found = []
         for borne in (self.borne, *self.borne.others):
-            torque = borne.torque_n_mm
+            torque = borne.turning_n_mm
             rising = np.sign(np.diff(torque))
             turns = np.flatnonzero(rising[1:] != rising[:-1]) + 1
             found.append(borne.phi1_rad[turns[np.isfinite(torque[turns])]] % borne.cycle_rad)

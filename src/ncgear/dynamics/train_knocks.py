@@ -8,6 +8,7 @@ touch on their driven gears, T1 and T2 the law's torques on these, and i2 the sl
     (J2 x2.). = M2(theta1, y, y.) - T2,   y = x2 - i2 x1
 
 The teeth of the second pair depend only on y, the angle of its driven gear beyond the one for its own driving gear.
+Friction between the teeth is left out.
 All is to the first order of x, by the method of ``ncgear.dynamics.flank_changes``: a single pair has infinite J1.
 """
 
@@ -24,6 +25,7 @@ from ncgear.dynamics.flank_changes import (
     HELD,
     IDLE,
     JUMP,
+    NORMAL,
     PER_SWING,
     SAMPLES,
     SETTLED,
@@ -35,7 +37,7 @@ from ncgear.dynamics.flank_changes import (
     NearPairs,
     flanks_of,
     joined,
-    moment_n_mm,
+    moments_n_mm,
     near_pairs,
     settled_rad,
 )
@@ -177,7 +179,8 @@ class KnockingTrain:
                 break
         angles, torques = np.concatenate(phi1), np.concatenate(torque, axis=1)
         between = self.pairs[0].meshing.law.at(angles)[0]
-        return FollowedStretch(angles, torques[0], knocks[0]), FollowedStretch(between, torques[1], knocks[1])
+        first, second = (np.tile(one, (2, 1)) for one in torques)
+        return FollowedStretch(angles, first, knocks[0]), FollowedStretch(between, second, knocks[1])
 
     def _momenta(self, state: tuple[float, float, float, float], along: _Places, part: slice) -> Array:
         """The momenta of both bodies swinging on the teeth of each pair, shape (2,)."""
@@ -223,16 +226,16 @@ class KnockingTrain:
         for row, (near1, near2, slope, driven, asked1, asked2) in enumerate(rows):
             v1, v2 = p1 / inertia, p2 / driven
             if m1 is None or m2 is None:
-                m1 = moment_n_mm(impacts[0], near1, x1, v1, -step_s * HELD / 2)
-                m2 = moment_n_mm(impacts[1], near2, x2 - slope * x1, v2 - slope * v1, -step_s * HELD / 2)
+                m1 = moments_n_mm(impacts[0], near1, x1, v1, -step_s * HELD / 2)[NORMAL]
+                m2 = moments_n_mm(impacts[1], near2, x2 - slope * x1, v2 - slope * v1, -step_s * HELD / 2)[NORMAL]
             for later in later_s:
                 p1 += half * (m1 - asked1 - slope * (m2 - asked2))
                 p2 += half * (m2 - asked2)
                 v1, v2 = p1 / inertia, p2 / driven
                 x1, x2 = x1 + step_s * v1, x2 + step_s * v2
                 before = m1, m2
-                m1 = moment_n_mm(impacts[0], near1, x1, v1, later)
-                m2 = moment_n_mm(impacts[1], near2, x2 - slope * x1, v2 - slope * v1, later)
+                m1 = moments_n_mm(impacts[0], near1, x1, v1, later)[NORMAL]
+                m2 = moments_n_mm(impacts[1], near2, x2 - slope * x1, v2 - slope * v1, later)[NORMAL]
                 p1 += half * (m1 - asked1 - slope * (m2 - asked2))
                 p2 += half * (m2 - asked2)
                 if m1 and not before[0]:

@@ -60,7 +60,8 @@ IDLE = 1e-9
 class Loading:
     """The teeth under load over a cycle in which every tooth meets all its mates.
 
-    ``contacts`` are at n positions: even positions and, between them, the positions of the pairs' largest forces.
+    ``contacts`` are at n positions: even positions and, between them, the positions of the pairs' largest forces and
+    those beside which more pairs bear load.
     ``phi1_rad``, ``torque_n_mm`` (demanded of the driven gear) and ``error_rad`` (its angle beyond the law's) have
     shape (n,); ``even`` marks the even positions.  ``transmission_error_rad`` is the peak to peak variation of the
     error.  ``contact_ratio`` is the mean number of pairs that bear load, where there is load.  ``cycle_rad`` is the
@@ -161,7 +162,8 @@ def loading_of(
     largest = _largest_of_pairs(meshing, every.phi1_rad[position], slot, found.force_n[position, slot])
     even = np.isin(np.arange(every.count), np.arange(0, solved.count, SOLVED_PER_TOOTH // per_tooth))
     peaks = _peaks(every.rolled_mm, found.force_n.max(axis=1)) if borne and borne.phi1_rad.size else position[:0]
-    chosen = np.flatnonzero(even | np.isin(np.arange(every.count), np.append(position[largest], peaks)))
+    alone = _beside_more(every.rolled_mm, loaded) if len(sections.each) == 1 else position[:0]
+    chosen = np.flatnonzero(even | np.isin(np.arange(every.count), [*position[largest], *peaks, *alone]))
     chosen = chosen[np.argsort(every.rolled_mm[chosen])]
     phi1 = every.phi1_rad[chosen]
     row, slot = np.nonzero(loaded[chosen])
@@ -314,6 +316,13 @@ def _peaks(rolled_mm: Array, force_n: Array) -> IndexArray:
     sorted_n = force_n[order]
     rising = sorted_n > np.roll(sorted_n, 1)
     return np.asarray(order[rising & ~np.roll(rising, -1)])
+
+
+def _beside_more(rolled_mm: Array, loaded: Mask) -> IndexArray:
+    """The positions next to which more pairs bear load, where a root is stressed most; ``loaded`` is (n, slots)."""
+    order, pairs = np.argsort(rolled_mm), loaded.sum(axis=1)
+    around = pairs[order]
+    return np.asarray(order[(around > 0) & (around < np.maximum(np.roll(around, 1), np.roll(around, -1)))])
 
 
 def _largest_of_pairs(meshing: Meshing, phi1_rad: Array, slot: IndexArray, force_n: Array) -> IndexArray:

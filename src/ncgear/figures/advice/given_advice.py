@@ -20,6 +20,8 @@ from ncgear.numerics.jet import Jet
 from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import changed_drive, enough_teeth, is_given
 from ncgear.project.drive import Drive
+from ncgear.project.service import choices_of
+from ncgear.strength.materials import Plastic
 from ncgear.wishes.requirements import DecelerationWithin, EvenSpeed, Requirement, TimeWithin
 from ncgear.wishes.wish import DrivingWish
 
@@ -157,6 +159,10 @@ def _idle_keys(drive: Drive) -> Iterator[Idle]:
     if design.stages == 1 and masses and None not in (masses.driving_gear_kg_mm2, masses.driven_gear_kg_mm2):
         yield from tell("beside the inertias of both gears, which hold alone", "leave it out", "masses.density_kg_m3")
     if gears is not None:
+        plastic = any(isinstance(one.entry, Plastic) for one in choices_of(gears))
+        if not plastic or design.strength.lubrication == "oil":
+            why = "with teeth in oil, which takes their heat away" if plastic else "with gears of metal"
+            yield from tell(f"{why}: pauses cool dry or greased plastics only", "leave it out", "strength.duty_cycle")
         if gears.driving.bore_mm is None and gears.driven.bore_mm is None:
             helps = "give gears.driving.bore_mm or gears.driven.bore_mm"
             yield from tell("without a bore", helps, "gears.tolerances.bore_fit")

@@ -16,6 +16,7 @@ from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import may_be_helical
 from ncgear.project.drive import Drive
 from ncgear.project.rough_strength import RoughStrength, beside_refusal, rough_damage, rough_strength
+from ncgear.project.service import choices_of
 from ncgear.project.strengthening import (
     MOST_TEETH,
     SERIES_I_MM,
@@ -28,6 +29,7 @@ from ncgear.project.vibration import ToldVibration
 from ncgear.strength.film import Regime
 from ncgear.strength.holding import Damage, Weakest, face_width_factor, module_factor, worst
 from ncgear.strength.iso6336 import THINNEST_WEB
+from ncgear.strength.materials import Ferrous
 
 if TYPE_CHECKING:
     from ncgear.strength.surfaces import Film, Surfaces, Wear
@@ -247,7 +249,7 @@ def flanks(drive: Drive) -> Iterator[Advice | NotJudged]:
     if found.film is not None and found.scuffing_safety is not None and found.scuffing_safety < LEAST_SCUFFING:
         yield _scuffing(found.film, found, found.scuffing_safety, LEAST_SCUFFING)
     if not found.wear.holds:
-        yield _wear(found.wear, drive.conditions.lubrication)
+        yield _wear(found.wear, drive)
     if found.film is not None and found.film.regime is Regime.BOUNDARY:
         yield _boundary(found.film, found)
     if why := unfollowed_knocks(rating):
@@ -269,9 +271,12 @@ def _scuffing(film: Film, found: Surfaces, safety: float, wanted: float) -> Advi
     )
 
 
-def _wear(wear: Wear, lubrication: str) -> Advice:
+def _wear(wear: Wear, drive: Drive) -> Advice:
     gear, deepest = max(zip(Gear, wear.depth_mm, strict=True), key=lambda one: one[1].value)
-    oil = [Remedy("let oil part the flanks", short="oil")] if lubrication == "dry" else []
+    worn = dict(zip(Gear, choices_of(drive.gears), strict=True))[gear].entry
+    cures = [Remedy("let oil part the flanks", short="oil")] if drive.conditions.lubrication == "dry" else []
+    if isinstance(worn, Ferrous) and not worn.group.hardened:
+        cures.append(Remedy("harden the flanks", short="hardened flanks"))
     return Advice(
         Kind.FLANKS,
         f"the flanks wear away: in {hours_words(wear.wanted_h)} tooth {deepest.tooth(gear)} of the {gear.value} gear "
@@ -280,8 +285,7 @@ def _wear(wear: Wear, lubrication: str) -> Advice:
         f"teeth get thin and the backlash grows by up to {to_digits(wear.play_mm, 2)} mm; wear is known to a factor of "
         "ten at best",
         (
-            *oil,
-            Remedy("harden the flanks", short="hardened flanks"),
+            *cures,
             Remedy("take larger gears, which press their flanks less", short="larger gears"),
         ),
         brief=f"the flanks wear away: a tenth of the module in about {hours_words(wear.life_h)}, "
