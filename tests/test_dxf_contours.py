@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import cos, pi, sin
+from math import cos, dist, pi, sin
 from pathlib import Path
 from typing import Any
 
@@ -240,6 +240,57 @@ def test_another_unit_and_a_gap_are_remarked_and_cost_no_clean_verdict(tmp_path:
     document.units = ezdxf.units.MM
     distance_mm(tmp_path, document)
     assert not list(drawing(from_folder(tmp_path)))
+
+
+def there_and_back(space: Any) -> None:
+    """A closed polyline, and over it the same one from another place in the other sense, and a part of it."""
+    points = [ellipse_at(number / 90.0)[:2] for number in range(90)]
+    space.add_lwpolyline(points, close=True)
+    space.add_lwpolyline([*points[40::-1], *points[:40:-1]], close=True)
+    space.add_lwpolyline(points[20:30])
+
+
+def a_circle_over_arcs(space: Any) -> None:
+    for start in (0.0, 90.0, 180.0, 270.0):
+        space.add_arc((3.0, 0.0), 30.0, start, start + 90.0)
+    space.add_circle((3.0, 0.0), 30.0)
+
+
+@pytest.mark.parametrize(
+    ("add", "alone", "doubled_mm"),
+    [
+        (twice, None, 2 * 20.0 + 2 * 20.0 * pi),
+        (
+            there_and_back,
+            lambda space: space.add_lwpolyline([ellipse_at(i / 90.0)[:2] for i in range(90)], close=True),
+            sum(dist(ellipse_at(i / 90.0), ellipse_at((i + 1) / 90.0)) for i in [*range(90), *range(20, 29)]),
+        ),
+        (a_circle_over_arcs, circle, 2.0 * pi * 30.0),
+    ],
+    ids=["entities", "polylines", "circle over arcs"],
+)
+def test_what_is_drawn_twice_counts_once_and_is_remarked(
+    tmp_path: Path, add: Callable[[Any], object], alone: Callable[[Any], object] | None, doubled_mm: float
+) -> None:
+    """The remark has the length that lies over other parts, in closed form."""
+    found = distance_mm(tmp_path, made(add))
+    facts = from_folder(tmp_path).law.facts
+    assert facts["contour_doubled_mm"] == pytest.approx(doubled_mm, rel=1e-5)
+    (remark,) = (one for one in drawing(from_folder(tmp_path)) if "drawn twice" in one.brief)
+    assert not remark.matters
+    assert found == pytest.approx(51.732811 if alone is None else distance_mm(tmp_path, made(alone)), abs=1e-6)
+
+
+def test_a_line_close_beside_another_is_not_drawn_twice(tmp_path: Path) -> None:
+    """A slot beside which a second one is drawn, a thousandth of its size away, is no single contour."""
+    beside = [(x + 0.04, y, bulge) for x, y, bulge in HALVES]
+
+    def both(space: Any) -> None:
+        for points in (HALVES, beside):
+            space.add_lwpolyline(points, format="xyb", close=True)
+
+    with pytest.raises(WrongInput, match="further parts beside a closed contour"):
+        distance_mm(tmp_path, made(both))
 
 
 def chords(count: int) -> Callable[[Any], object]:

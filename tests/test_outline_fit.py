@@ -141,6 +141,28 @@ def test_an_outline_that_crosses_itself_is_refused_with_the_place() -> None:
     assert outline_of(touching, "key").area_mm2 == pytest.approx(2.0)
 
 
+def test_an_outline_with_loops_of_noise_is_its_outer_border() -> None:
+    """A square with three loops of 0.3 by 0.2 mm outside its sides; loops that reach over a hundredth are refused."""
+
+    def looped(size: float) -> Array:
+        loop = size * np.array([[1.0, 0.0], [0.5, -0.7], [0.0, 0.1], [2.0, 0.1], [2.0, 0.0]])
+        side, quarter = np.concatenate([[[-32.0, 0.0]], loop]), np.array([[0.0, 1.0], [-1.0, 0.0]])
+        side[:, 1] -= 32.0
+        return np.concatenate([*(side @ np.linalg.matrix_power(quarter, turn) for turn in range(3)), [[-32.0, 32.0]]])
+
+    points = looped(0.3)
+    found = outline_of(points, "points")
+    border, drawn = shapely.LinearRing(found.corners), shapely.LinearRing(points)
+    assert (drawn.is_simple, border.is_simple) == (False, True)
+    assert shapely.Polygon(found.corners).symmetric_difference(shapely.Polygon(square())).area < 3 * 0.3 * 0.2
+    assert found.area_mm2 > 0.0
+    assert found.left_out_mm == pytest.approx(shapely.hausdorff_distance(drawn, border, densify=0.001), rel=0.1)
+    for turned in (points[::-1], np.roll(points, 3, axis=0)):
+        assert outline_of(turned, "points").area_mm2 == pytest.approx(found.area_mm2, rel=1e-12)
+    with pytest.raises(WrongInput, match=r"crosses itself at .* in loops of up to"):
+        outline_of(looped(9.0), "points")
+
+
 @pytest.mark.filterwarnings("error")
 @at_once("corners", [20, 48, 150, 240])
 def test_corners_at_even_lengths_leave_no_chord_of_no_length(corners: int) -> None:

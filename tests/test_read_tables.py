@@ -26,6 +26,9 @@ FORMS: dict[str, bytes] = {
     "tabs and decimal commas": PLAIN.replace(",", "\t").replace(".", ",").encode(),
     "bars": PLAIN.replace(",", "|").encode(),
     "minus signs of typography": PLAIN.replace("1.5\n10.25,-", "1.5\n10.25,\u2212").encode(),
+    "dashes for minus signs": PLAIN.replace("1.5\n10.25,-", "1.5\n10.25,\u2013").encode(),
+    "a table of Markdown": b"| x_mm | force_n |\n|---|---:|\n| 0 | 1.5 |\n| 10.25 | -2e-3 |\n| 20 | 3 |\n",
+    "units below heads": b"x;force_n;note\n[mm];N;-\n0;1,5;a\n10,25;-2e-3;b\n20;3;c\n",
     "spaces": PLAIN.replace(",", "   ").encode(),
     "sep=": b"sep=;\r\n" + PLAIN.replace(",", ";").encode(),
     "lines of Windows": PLAIN.replace("\n", "\r\n").encode(),
@@ -42,6 +45,9 @@ FORMS: dict[str, bytes] = {
     "further columns": b"time_s,x_mm,note,force_n\n0,0,begins,1.5\n1,10.25,,-2e-3\n2,20,ends,3\n",
 }
 
+
+FURTHER = "further columns", "an index", "a table of Markdown", "units below heads"
+"""Forms with cells beside the wanted columns, or below their heads."""
 
 CODINGS = {
     "UTF-16": "utf-16",
@@ -64,7 +70,7 @@ def test_every_form_is_the_plain_table(tmp_path: Path, form: str) -> None:
     )
 
 
-@pytest.mark.parametrize("form", [name for name in FORMS if name not in ("further columns", "an index")])
+@pytest.mark.parametrize("form", [name for name in FORMS if name not in FURTHER])
 def test_measured_points_are_read_by_the_same_reader(tmp_path: Path, form: str) -> None:
     file = tmp_path / "t.csv"
     content = FORMS[form].decode(CODINGS.get(form, "utf-8"))
@@ -94,6 +100,11 @@ def test_measured_points_are_read_by_the_same_reader(tmp_path: Path, form: str) 
             "t.csv:4:1: numbers with commas (line 3) and with points (line 4)",
         ),
         ("x_mm\tforce_n\n50,5\t1.200\n", "t.csv:2:1: numbers with commas (line 2) and with points (line 2)"),
+        (
+            "x_mm;force_n\n0;971\n1;1.200\n",
+            "t.csv:1:1: column force_n may have points between thousands or before decimals",
+        ),
+        ("x_mm;force_n\nmm;kN\n0;1\n", "t.csv:2:1: x_mm: 'mm' is not a finite number"),
         ("x_mm,Force (µN)\n1,2\n", "unknown column: 'Force (µN)'"),
         ("x_mm,force (-N)\n1,2\n", "unknown column: 'force (-N)'"),
         ("Δx_mm,force_n\n1,2\n", "unknown column: 'Δx_mm'"),
@@ -106,6 +117,13 @@ def test_what_is_no_table_has_its_line_and_column(tmp_path: Path, content: str, 
     with pytest.raises(WrongInput) as refused:
         read_points(file, WANTED)
     assert said in str(refused.value)
+
+
+@pytest.mark.parametrize("column", ["0.971 1.200", "971.000 1.200", "971 1.2", "1971 1.200"])
+def test_a_point_that_separates_no_thousands_is_the_decimal_point(tmp_path: Path, column: str) -> None:
+    file = tmp_path / "t.csv"
+    file.write_text("x_mm;force_n\n" + "".join(f"{i};{one}\n" for i, one in enumerate(column.split())))
+    assert read_points(file, WANTED).values["force_n"] == [float(one) for one in column.split()]
 
 
 def test_text_that_ends_in_half_a_letter_is_refused(tmp_path: Path) -> None:

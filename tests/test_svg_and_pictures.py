@@ -10,6 +10,7 @@ from PIL import Image, ImageDraw
 
 from drives import drive_of_text
 from ncgear.errors import WrongInput
+from ncgear.figures.advice.machine_advice import drawing
 from ncgear.project.drive import Drive
 from ncgear.project.opened import load
 
@@ -130,15 +131,38 @@ def test_a_layer_is_picked_by_its_id_and_by_its_name(tmp_path: Path) -> None:
         ("<html><svg/></html>", "is no SVG file: its first element is 'html'"),
         (page("<text>nothing</text>"), "holds no curve; text has to become paths in the drawing"),
         (page('<image href="a.png"/>'), "holds no curve; a picture in it is no curve"),
-        (page('<g id="a"><use href="#b"/></g><g id="b"><use href="#a"/></g>'), "is no SVG file that can be read"),
+        (
+            page('<g id="a"><use href="#b"/></g><g id="b"><use href="#a"/></g>'),
+            "is no SVG file that can be read: 'elements use each other without end'",
+        ),
+        (page('<path d="M -9 0 H 0 V 9 Z M 9 0 H 20 V 9 Z"/>'), "3 further parts|1 further part"),
         (page('<circle r="1e308"/><circle r="1"/>'), "holds a coordinate that is no finite number"),
         (page('<circle r="9"/><circle r="1"/>'), "one closed contour is needed: name its layer or element, or remove"),
     ],
-    ids=["page of the web", "text", "picture", "circle of references", "infinite", "two contours"],
+    ids=["page of the web", "text", "picture", "circle of references", "side by side", "infinite", "two contours"],
 )
 def test_a_file_without_one_contour_is_refused_with_the_reason(tmp_path: Path, content: str, said: str) -> None:
     with pytest.raises(WrongInput, match=said):
         from_svg(tmp_path, content).law  # noqa: B018
+
+
+def test_a_letter_with_holes_is_its_outer_contour_and_says_so(tmp_path: Path) -> None:
+    """Holes before and after the contour in one path; the dot of another element counts as before."""
+    alone = from_svg(tmp_path, page(ARCS))
+    hole = "M {} 0 A 5 5 0 1 0 {} 0 A 5 5 0 1 0 {} 0 Z"
+    path = ARCS.replace(' d="', ' d="' + hole.format(-15, -5, -15)).replace('"/>', hole.format(5, 15, 5) + '"/>')
+    found = from_svg(tmp_path, page(path))
+    assert found.law.center_distance_mm == alone.law.center_distance_mm
+    assert [one.brief for one in drawing(found)] == ["the contour encloses 2 more of its element: they are left out"]
+    assert not list(drawing(alone))
+
+
+@pytest.mark.parametrize("size", ["", ' width="30" height="20"', ' width="50%" height="50%"'])
+def test_a_page_in_the_page_moves_what_it_holds(tmp_path: Path, size: str) -> None:
+    """By the specification of SVG 1.1, section 5.1.2: without viewBox a page moves its content by x and y."""
+    alone = from_svg(tmp_path, page(ARCS)).law.center_distance_mm
+    inner = f'<svg x="-7" y="4"{size}><g transform="translate(7,-4)">{ARCS}</g></svg>'
+    assert from_svg(tmp_path, page(inner)).law.center_distance_mm == pytest.approx(alone, rel=1e-12)
 
 
 def silhouette(pixels: int = 400, ink: int = 0, paper: int = 255) -> Image.Image:

@@ -146,6 +146,10 @@ def opened(path: Path, *, offers_fit: bool = True) -> Iterator[LoadedDesign]:
         except NoSuchMechanism as refusal:
             if not (offers_fit and loaded.design.can_be_fitted and _is_of_curve(refusal)):
                 raise
+            from ncgear.project.outline_fit import has_outline
+
+            if not has_outline(loaded.design):
+                raise
             offer = f"ncgear fit {pasted(path)} finds the nearest pitch curve whose gears can be made"
             raise NoSuchMechanism(
                 f"{refusal.problem}; {offer}", key=refusal.key, location=refusal.location

@@ -14,6 +14,7 @@ from ncgear.figures.answers.answer import Answer, Row
 from ncgear.figures.numbers import fixed, placed, shown, to_digits
 from ncgear.optimum.outline.conditions import Subject
 from ncgear.optimum.outline.nearest import Deviation
+from ncgear.optimum.outline.outline import Outline
 from ncgear.pitch.shape import Gear
 from ncgear.project.outline_fit import OutlineFit
 
@@ -65,7 +66,7 @@ def fit_figures(found: OutlineFit) -> dict[str, Any]:
     """Deviation with its place and cause, sizes, and what other sizes would cost."""
     mate = found.mate
     figures = {
-        "outline": {"size_mm": found.outline.size_mm, "corners": len(found.outline.corners)},
+        "outline": _outline(found.outline, found.outline.size_mm),
         "deviation": _deviation(found.deviation, found.outline.size_mm, found.bound_by)
         | {"greatest_at_deg": degrees(found.greatest_at_rad)},
         "pair": {
@@ -87,11 +88,16 @@ def fit_figures(found: OutlineFit) -> dict[str, Any]:
     if mate is None:
         return figures
     figures["mate"] = {
-        "outline": {"size_mm": mate.size_mm, "corners": len(mate.outline.corners), "scale": mate.scale},
+        "outline": _outline(mate.outline, mate.size_mm) | {"scale": mate.scale},
         "axis_mm": mate.axis_mm.tolist(),
         "deviation": _deviation(mate.deviation, mate.size_mm, mate.bound_by),
     }
     return figures
+
+
+def _outline(outline: Outline, size_mm: float) -> dict[str, Any]:
+    left_out = {"left_out_mm": size_mm / outline.size_mm * outline.left_out_mm} if outline.left_out_mm else {}
+    return {"size_mm": size_mm, "corners": len(outline.corners), **left_out}
 
 
 def _deviation(away: Deviation, size_mm: float, bound_by: Sequence[Subject]) -> dict[str, Any]:
@@ -129,6 +135,9 @@ def fitted_answer(name: str, found: OutlineFit, then: str) -> Answer:
         rows.append(Row("size", (f"{told}; leave one of them out to have the outline's size",)))
     about = f", {placed(degrees(found.greatest_at_rad))} deg about the axis"
     rows += _strays(found, found.deviation, size, found.bound_by, about)
+    if loops := found.outline.left_out_mm:
+        told = f"crosses itself in loops, which reach up to {to_digits(loops, 2)} mm from its outer border"
+        rows.append(Row("outline", (f"{told}; the border is followed",)))
     if mate is not None:
         sized = f"an outline of {shown(mate.size_mm)} mm, {shown(mate.scale)} times its drawing"
         rows.append(Row("the mate", (f"{sized}; its axis there at {_place(*mate.axis_mm.tolist())}",)))

@@ -251,6 +251,15 @@ def fitted(design: Design, on_trial: OnTrial = lambda done, most: None) -> Outli
     )
 
 
+def has_outline(design: Design) -> bool:
+    """Whether a design draws an outline that a fit can follow."""
+    try:
+        _outline_and_axis(design.motion, fixed=False, key="")
+    except (WrongInput, NoSuchMechanism):
+        return False
+    return True
+
+
 def _outline_and_axis(drawn: LawKeys | MateOutline, fixed: bool, key: str) -> tuple[Outline, Array | None]:
     """The outline, and its axis if that is fixed; raises WrongInput for an axis outside."""
     points, axis, shape = drawn.outline_mm()

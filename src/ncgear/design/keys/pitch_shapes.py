@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from ncgear.numerics.arrays import Array
     from ncgear.numerics.rational import RationalSpline
     from ncgear.ratio.laws.closed_curve import ClosedCurve
+    from ncgear.ratio.laws.contours import JoinedContour
     from ncgear.ratio.laws.pitch_curve import ShapeSearch
 
 MOST_POINTS = 100_000
@@ -199,12 +200,12 @@ class DrawnContour(Drawn):
         """Greatest gap between the ends of parts that comes from the digits of the file, in mm."""
         return 0.0
 
-    def chain(self, key: str) -> tuple[list[RationalSpline], float]:
-        """The parts as one closed chain, and the greatest gap between their ends, in mm.
+    def chain(self, key: str) -> JoinedContour:
+        """The parts as one closed chain.
 
         Raises WrongInput at the key of the file if they are not one chain; the message names the layers that hold one.
         """
-        from ncgear.ratio.laws.curve_shapes import one_contour
+        from ncgear.ratio.laws.contours import one_contour
 
         parts = self.curves or ()
         try:
@@ -268,6 +269,9 @@ class SvgContour(DrawnContour):
         min_length=1,
         max_length=255,
     )
+    holes: int = optional(
+        "contours within the outer one of their element, which are left out; given by programs only", 0, ge=0
+    )
 
     FILE: ClassVar[str] = "an SVG file"
 
@@ -296,10 +300,10 @@ def drawn_points(shape: DrawnContour | BSpline | DrawnPoints, key: str) -> Array
     import numpy as np
 
     from ncgear.numerics.rational import closed_uniform
-    from ncgear.ratio.laws.curve_shapes import points_along
+    from ncgear.ratio.laws.contours import points_along
 
     if isinstance(shape, DrawnContour):
-        return points_along(shape.chain(f"{key}.file")[0])
+        return points_along(shape.chain(f"{key}.file").parts)
     points = np.column_stack([np.array(shape.x_mm), np.array(shape.y_mm)])
     return points_along([closed_uniform(points, shape.degree).clamped()]) if isinstance(shape, BSpline) else points
 

@@ -223,12 +223,15 @@ class PitchCurve(LawKeys):
             points = np.column_stack([np.array(spline.x_mm), np.array(spline.y_mm)])
             curve = shapes.closed_b_spline(points, spline.degree, spline.axis_mm, key)
         elif (contour := self.contour) is not None:
-            parts, gap_mm = contour.chain(f"{key}.file")
-            along = shapes.points_along(parts)
+            from ncgear.ratio.laws.contours import points_along
+
+            joined = contour.chain(f"{key}.file")
+            along = points_along(joined.parts)
             width, height = np.ptp(along, axis=0).tolist()
-            facts = {"contour_gap_mm": gap_mm, "contour_width_mm": width, "contour_height_mm": height}
+            facts = {"contour_gap_mm": joined.gap_mm, "contour_doubled_mm": joined.doubled_mm}
+            facts |= {"contour_width_mm": width, "contour_height_mm": height}
             if contour.tolerance_mm is None:
-                curve = shapes.chain(parts, contour.axis_mm, key)
+                curve = shapes.chain(joined.parts, contour.axis_mm, key)
             else:
                 polar = shapes.polar_points(along - np.array(contour.axis_mm), contour.tolerance_mm, key)
                 curve, missed = shapes.smoothed_points(*polar, contour.tolerance_mm, repeats, key)

@@ -234,8 +234,10 @@ def _through_fit_points(entity: Spline) -> BSpline:
     from scipy.interpolate import make_interp_spline
 
     points = np.array([tuple(point) for point in entity.fit_points])
-    if np.any(points[0] != points[-1]):
-        points = np.vstack([points, points[:1]])
+    # A doubled point, as the first one at the end, counts once.
+    after = np.roll(points, -1, axis=0)
+    points = points[np.linalg.norm(after - points, axis=1) > POINT * np.ptp(points)]
+    points = np.vstack([points, points[:1]])
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     spline = make_interp_spline(along, points, k=3, bc_type="periodic")
     return BSpline(spline.c.tolist(), order=4, knots=spline.t.tolist())
@@ -270,20 +272,25 @@ def chords_of(x: list[float], y: list[float]) -> dict[str, Any]:
 def chords_joined(parts: Iterable[dict[str, Any]], file: Path) -> list[dict[str, Any]]:
     """The parts in order; each run of lines that follow each other becomes one chain of chords.
 
-    Lines need no knots and weights.  What is drawn twice counts once.  Raises WrongInput for too many parts.
+    Lines need no knots and weights.  Parts that are drawn twice come last, by themselves.  Raises WrongInput for too
+    many parts.
     """
-    found, seen = list[dict[str, Any]](), set[tuple[object, ...]]()
-    for part in parts:
-        if (drawn := _drawn(part)) in seen:
-            continue
-        seen.add(drawn)
-        last = found[-1] if found else {}
-        joins = part["degree"] == last.get("degree") == 1 and part["layer"] == last["layer"]
-        if joins and (part["x"][0], part["y"][0]) == (last["x"][-1], last["y"][-1]):
-            last["x"] += part["x"][1:]
-            last["y"] += part["y"][1:]
-        else:
-            found.append(part)
+    found, left = list[dict[str, Any]](), list(parts)
+    while left:
+        seen, doubled, begun = set[tuple[object, ...]](), list[dict[str, Any]](), len(found)
+        for part in left:
+            if (drawn := _drawn(part)) in seen:
+                doubled.append(part)
+                continue
+            seen.add(drawn)
+            last = found[-1] if len(found) > begun else {}
+            joins = part["degree"] == last.get("degree") == 1 and part["layer"] == last["layer"]
+            if joins and (part["x"][0], part["y"][0]) == (last["x"][-1], last["y"][-1]):
+                last["x"] += part["x"][1:]
+                last["y"] += part["y"][1:]
+            else:
+                found.append(part)
+        left = doubled
     if len(found) > MOST_CURVES:
         problem = (
             f"holds {len(found)} lines, arcs and curves; at most {MOST_CURVES} are right: join lines to a polyline"

@@ -14,6 +14,7 @@ import codecs
 import csv
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import chain
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -33,8 +34,14 @@ ERROR_VALUE = re.compile(r"#(N/A|NV|[^\s,;|]+[!?])\s*([,;|\t]|$)")
 SHEETS = (".xlsx", ".xlsm", ".xls", ".ods")
 """Files of spreadsheets, by their endings."""
 
-MINUS = "\u2212"
-"""The minus sign of typography."""
+MINUS = str.maketrans(dict.fromkeys("\u2212\u2013\u2012\ufe63\uff0d", "-"))
+"""The minus sign of typography, and dashes that stand for it."""
+
+RULE = re.compile(r"[\s|+:]*(-{2,}|={2,})[-=\s|+:]*")
+"""A line drawn under the head of a table."""
+
+THOUSANDS = re.compile(r"[-+]?[1-9][0-9]{0,2}\.[0-9]{3}")
+"""A number whose point may separate thousands."""
 
 DECIMAL_POINT = re.compile(r"\s*[-+]?[0-9]*\.[0-9]+([eE][-+]?[0-9]+)?\s*")
 DECIMAL_COMMA = re.compile(r"\s*[-+]?[0-9]*,[0-9]+([eE][-+]?[0-9]+)?\s*")
@@ -100,12 +107,12 @@ def _utf_16(begins: bytes) -> str:
 
 def _of_text(text: str, path: Path) -> Iterator[FileRow]:
     separator, first, decimals = "", 1, dict[str, int]()
-    lines = text.replace(MINUS, "-").splitlines()
+    lines = text.translate(MINUS).splitlines()
     if lines and re.fullmatch(r'"?sep=(.|\\t)"?', lines[0].strip(), re.IGNORECASE):
         separator, first = lines[0].strip().strip('"')[4:].replace("\\t", "\t"), 2
     for line, content in enumerate(lines[first - 1 :], first):
         stripped = content.strip()
-        if not stripped or _is_comment(stripped):
+        if not stripped or _is_comment(stripped) or RULE.fullmatch(stripped):
             continue
         separator = separator or next((one for one in (";", "\t", "|", ",") if one in content), " ")
         cells = content.split() if separator == " " else _cells(content, separator, f"{path}:{line}:1")
@@ -248,13 +255,48 @@ def values_from_files(document: Document, path: Path, kinds: Mapping[str, Points
 def read_points(path: Path, columns: FileColumns) -> PointsFile:
     """Read the columns and pass over all others; WrongInput names the line of a cell that is no number."""
     rows = read_rows(path, limit_mb=LARGEST_MB)
-    header = next(rows, FileRow(1, []))
+    header, first = next(rows, FileRow(1, [])), next(rows, None)
+    if first is not None and (joined := _with_units(header, first, columns)) is not None:
+        header, first = joined, None
     places = _places(header, str(path), columns)
     points = PointsFile(str(path), header.line, {name: [] for name in places}, [])
-    width = len(header.cells)
-    for row in rows:
+    width, forms = len(header.cells), {name: set[str]() for name in places}
+    for row in rows if first is None else chain([first], rows):
         _append(points, places, width, row, columns.most_points)
+        if not row.comma:
+            for name, i in places.items():
+                forms[name].add(_form(row.cells[i].strip()))
+    for name, found in forms.items():
+        if found == {SMALL, GROUPED}:
+            problem = "may have points between thousands or before decimals: 1.200 beside 971; write 1200 or 1.2000"
+            raise WrongInput(f"column {name} {problem}", location=f"{path}:{header.line}:1")
     return points
+
+
+SMALL, GROUPED, CLEAR = "small", "grouped", "clear"
+"""Forms of numbers: below a thousand without a point, with a point before three digits, and any other."""
+
+
+def _form(cell: str) -> str:
+    if "." not in cell:
+        return SMALL if len(cell.lstrip("+-")) <= len("999") else CLEAR
+    return GROUPED if THOUSANDS.fullmatch(cell) else CLEAR
+
+
+def _with_units(header: FileRow, row: FileRow, columns: FileColumns) -> FileRow | None:
+    """The header with units of the row below it; None where that row holds no units of the columns."""
+    if len(row.cells) != len(header.cells) or any(plain_number(cell.strip()) is not None for cell in row.cells):
+        return None
+    heads = [column_name(cell) for cell in header.cells]
+    units = [column_name(cell) for cell in row.cells]
+    joined = [
+        head if head.endswith(f"_{unit}") or not unit else f"{head}_{unit}"
+        for head, unit in zip(heads, units, strict=True)
+    ]
+    known = set(columns.names)
+    if not known & set(joined) or not known & set(heads) <= set(joined):
+        return None
+    return FileRow(header.line, joined, header.comma)
 
 
 def _places(header: FileRow, file: str, columns: FileColumns) -> dict[str, int]:

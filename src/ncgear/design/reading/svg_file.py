@@ -9,8 +9,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from io import BytesIO
-from itertools import groupby
-from math import ceil, cos, pi, sin
+from itertools import groupby, pairwise
+from math import ceil, comb, cos, pi, sin
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
@@ -51,6 +51,12 @@ NO_CURVES = {
 }
 """What stands in a drawing without curves."""
 
+SAME = 1e-6
+"""Share of an element's size within which one of its curves begins where another ends."""
+
+PER_CURVE = 17
+"""Points of a curve that show whether a contour encloses another one."""
+
 SMALLEST_SHARE = 0.01
 """Share of a picture's pixels; a smaller patch counts as dust beside the silhouette."""
 
@@ -77,17 +83,16 @@ def svg_contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
         height_mm = mm * float(document.height)
     except UNREADABLE as error:
         said = " ".join(str(error).split())
+        if isinstance(error, RecursionError):
+            said = "elements use each other without end"
         raise WrongInput(f"is no SVG file that can be read: {quoted(said)}", location=str(file)) from error
+    curves, holes = list[dict[str, Any]](), 0
     with np.errstate(over="ignore", invalid="ignore"):
-        curves = chords_joined(
-            (
-                part
-                for shape in shapes
-                if wanted is None or WANTED in shape.values
-                for part in _parts(shape, height_mm, mm, file)
-            ),
-            file,
-        )
+        for shape in shapes:
+            if wanted is None or WANTED in shape.values:
+                outer, left_out = _without_holes(list(_parts(shape, height_mm, mm, file)))
+                curves, holes = [*curves, *outer], holes + left_out
+    curves = chords_joined(curves, file)
     if not curves:
         names = sorted({shape.values[NAME] for shape in shapes if NAME in shape.values})
         held = f"; elements with curves are {listed([quoted(name) for name in names], 'and')}" if names else ""
@@ -95,7 +100,7 @@ def svg_contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
         held += "".join(f"; {NO_CURVES[one]}" for one in others)
         of = "" if wanted is None else f" of the element {quoted(wanted)}"
         raise WrongInput(f"holds no curve{of}{held}", location=str(file))
-    return FromFile({"curves": curves})
+    return FromFile({"curves": curves, "holes": holes} if holes else {"curves": curves})
 
 
 def _kind(element: ElementTree.Element) -> str:
@@ -105,13 +110,17 @@ def _kind(element: ElementTree.Element) -> str:
 def _marked(tree: ElementTree.Element, wanted: str | None) -> bytes:
     """The file with the names of elements and the mark of the wanted one, which the library hands down to their parts.
 
-    What is drawn only where another element refers to it goes to the definitions, since the library draws it.
+    What is drawn only where another element refers to it goes to the definitions, since the library draws it.  A page
+    within the page that only moves its content becomes a group, since the library does not move it.
     """
     for one in list(tree.iter()):
         names = [name for key in ("id", LABEL) if (name := one.get(key))]
         one.attrib.update({NAME: names[0]} if names else {})
         one.attrib.update({WANTED: ""} if wanted in names else {})
         for number, part in enumerate(one):
+            if _kind(part) == "svg" and part.get("viewBox") is None:
+                part.tag = part.tag.removesuffix("svg") + "g"
+                part.set("transform", f"translate({part.get('x', '0')},{part.get('y', '0')})")
             if _kind(part) in REFERRED:
                 one[number] = ElementTree.Element("defs")
                 one[number].append(part)
@@ -134,6 +143,38 @@ def _parts(shape: Shape, height_mm: float, mm: float, file: Path) -> Iterator[di
         part = {"layer": shape.values.get(NAME, ""), "degree": 1, "x": x, "y": y}
         knots = [0.0] * len(points) + [1.0] * len(points)
         yield part if weights is None else {**part, "degree": len(points) - 1, "knots": knots, "weights": weights}
+
+
+def _without_holes(parts: list[dict[str, Any]]) -> tuple[list[dict[str, Any]], int]:
+    """The parts of an element without the closed contours that its largest one encloses, and the number of these."""
+    from shapely import Polygon
+
+    if not parts:
+        return parts, 0
+    lines = [_along(part) for part in parts]
+    near = SAME * float(np.max(np.ptp(np.concatenate(lines), axis=0)))
+    starts = [i for i, line in enumerate(lines) if not i or np.max(np.abs(line[0] - lines[i - 1][-1])) > near]
+    contours = list(pairwise([*starts, len(parts)]))
+    if any(np.max(np.abs(lines[begin][0] - lines[end - 1][-1])) > near for begin, end in contours):
+        return parts, 0
+    areas = [Polygon(np.concatenate(lines[begin:end])) for begin, end in contours]
+    outer = int(np.argmax([one.area for one in areas]))
+    if not all(one.is_valid and areas[outer].contains(one) for one in areas):
+        return parts, 0
+    begin, end = contours[outer]
+    return parts[begin:end], len(contours) - 1
+
+
+def _along(part: dict[str, Any]) -> Array:
+    """Points along a part, shape (n, 2): corners of lines, and PER_CURVE points of a curve."""
+    points = np.column_stack([part["x"], part["y"]])
+    if part["degree"] == 1:
+        return points
+    share, degree = np.linspace(0.0, 1.0, PER_CURVE), len(points) - 1
+    basis = np.array([comb(degree, k) * share**k * (1.0 - share) ** (degree - k) for k in range(degree + 1)])
+    weighted = basis * np.array(part["weights"])[:, None]
+    found: Array = weighted.T @ points / weighted.sum(axis=0)[:, None]
+    return found
 
 
 def _curves(segments: Iterable[PathSegment]) -> Iterator[tuple[Array, list[float] | None]]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import atan, copysign, degrees, exp, log, pi, radians, sin
 
-from ncgear.design.keys.pitch_shapes import UNIT_MM, DxfContour
+from ncgear.design.keys.pitch_shapes import UNIT_MM, DxfContour, SvgContour
 from ncgear.design.mechanisms import lengths_of
 from ncgear.errors import DesignError, WrongInput
 from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind, NotJudged, Remedy
@@ -204,7 +204,9 @@ def missed_wishes(drive: Drive) -> Advice | None:
 def drawing(drive: Drive) -> Iterator[Advice]:
     """The size by both units, and the greatest gap between parts that count as joined."""
     given, facts = drive.design.motion.contour, drive.law.facts
-    gap_mm, *sides_mm = (float(facts[f"contour_{name}_mm"] or 0.0) for name in ("gap", "width", "height"))
+    gap_mm, doubled_mm, *sides_mm = (
+        float(facts[f"contour_{name}_mm"] or 0.0) for name in ("gap", "doubled", "width", "height")
+    )
     if isinstance(given, DxfContour) and given.drawn_in not in (None, given.unit):
         yield _of_unit(given, given.drawn_in or "", sides_mm)
     if gap_mm > JOINED * max(sides_mm):
@@ -212,6 +214,10 @@ def drawing(drive: Drive) -> Iterator[Advice]:
             f"parts of the contour miss each other by up to {to_digits(gap_mm, 2)} mm, as its rounded numbers do",
             "they are put together",
         )
+    if doubled_mm:
+        yield _remark(f"{to_digits(doubled_mm, 3)} mm of the contour are drawn twice", "they count once")
+    if isinstance(given, SvgContour) and given.holes:
+        yield _remark(f"the contour encloses {given.holes} more of its element", "they are left out")
 
 
 def _of_unit(given: DxfContour, drawn_in: str, sides_mm: Sequence[float]) -> Advice:

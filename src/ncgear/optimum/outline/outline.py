@@ -21,6 +21,9 @@ CROSSES = "Self-intersection"
 SAME = 1e-9
 """Largest distance of two places that count as one, as a share of an outline's length."""
 
+LOOPS = 0.01
+"""Share of an outline's size up to which its loops count as noise and are left out."""
+
 FEWEST_POINTS = 3
 
 ROUNDING = 1e-9
@@ -29,9 +32,13 @@ ROUNDING = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Outline:
-    """A closed polygon, counter-clockwise, its first corner not repeated; ``corners`` have shape (n, 2), in mm."""
+    """A closed polygon, counter-clockwise, its first corner not repeated; ``corners`` have shape (n, 2), in mm.
+
+    ``left_out_mm`` is how far loops of the drawing reach from it that were left out.
+    """
 
     corners: Array
+    left_out_mm: float = 0.0
 
     @cached_property
     def size_mm(self) -> float:
@@ -128,7 +135,11 @@ class Outline:
 
 
 def outline_of(points_mm: Array, key: str) -> Outline:
-    """The outline of points of shape (n, 2), in either sense; raises WrongInput where they cross or enclose nothing."""
+    """The outline of points of shape (n, 2), in either sense; of points that cross in loops as small as noise, around
+    them.
+
+    Raises WrongInput where they cross otherwise, or enclose nothing.
+    """
     from shapely import Polygon, is_valid_reason
 
     points = np.asarray(points_mm, dtype=float)
@@ -142,9 +153,30 @@ def outline_of(points_mm: Array, key: str) -> Outline:
         raise WrongInput("the outline encloses no area; a closed contour is needed", key=key)
     # An outline that only touches itself still has a single inside.
     if (why := is_valid_reason(Polygon(points))).startswith(CROSSES):
-        place = why.removeprefix(CROSSES).strip("[]").replace(" ", ", ")
-        raise WrongInput(f"the outline crosses itself at ({place}) mm; one that does not is right", key=key)
+        around, left_out_mm = _around_loops(points, LOOPS * size / 2.0)
+        if left_out_mm > LOOPS * size:
+            x, y = map(float, why.removeprefix(CROSSES).strip("[]").split()[:2])
+            raise WrongInput(
+                f"the outline crosses itself at ({x:.6g}, {y:.6g}) mm, in loops of up to {left_out_mm:.3g} mm; one "
+                f"that does not, or in loops of up to {LOOPS * size:.3g} mm, is right",
+                key=key,
+            )
+        return Outline(around, left_out_mm)
     return Outline(points if area > 0.0 else points[::-1].copy())
+
+
+def _around_loops(points: Array, step_mm: float) -> tuple[Array, float]:
+    """The outer border of a closed line that crosses itself, counter-clockwise, and the greatest distance of the line
+    from it, at places ``step_mm`` apart."""
+    import shapely
+
+    lines = shapely.unary_union(shapely.LinearRing(points))
+    areas = shapely.get_parts(shapely.unary_union(shapely.get_parts(shapely.polygonize([lines]))))
+    border = shapely.get_exterior_ring(shapely.orient_polygons(areas[np.argmax(shapely.area(areas))]))
+    shapely.prepare(border)
+    corners: Array = shapely.get_coordinates(border)[:-1]
+    places = shapely.points(shapely.get_coordinates(shapely.segmentize(lines, step_mm)))
+    return corners, float(np.max(shapely.distance(places, border)))
 
 
 def _area(corners: Array) -> float:

@@ -6,7 +6,7 @@ Lengths are in mm.  Shapes that are drawn in the plane have their axis at (0, 0)
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import ceil, cos, hypot, log2, pi, sin, tan, tau
+from math import ceil, cos, log2, pi, sin, tan, tau
 
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline, splrep
@@ -20,14 +20,11 @@ from ncgear.numerics.jet import Jet
 from ncgear.numerics.proven import proven, smooth_parts
 from ncgear.numerics.rational import RationalSpline, arc, closed_uniform, line
 from ncgear.numerics.units import in_words
-from ncgear.ratio.laws.closed_curve import JOINED, ClosedCurve, PointFunction, by_angle, drawn
+from ncgear.ratio.laws.closed_curve import ClosedCurve, PointFunction, by_angle, drawn
 from ncgear.ratio.laws.integrated import smooth_or_refused
 from ncgear.ratio.transmission import JetFunction
 
 Point = tuple[float, float]
-
-ROUGHEST = 1e-3
-"""Share of a contour's size above which a gap between ends is no rounding: the contour is open."""
 
 STRAIGHT = 1e-9
 """Share of a polygon's side below which a straight part or a corner's radius is left out."""
@@ -142,35 +139,6 @@ def closed_b_spline(points_mm: Array, degree: int, axis_mm: Point, key: str) -> 
 MOST_CORNERS = 100
 """Most corners of a contour: with more it is an outline of chords, which must be smoothed; each corner takes 10 ms."""
 
-PER_PART, ALONG = 128, 1000
-"""Points on each smooth part of a contour that is smoothed with its neighbours, and the least number of pieces of a
-contour as long as a circle of its size."""
-
-
-def points_along(curves: Sequence[RationalSpline]) -> Array:
-    """Points of a chain, shape (n, 2), close together all along it, with its corners.
-
-    Pieces of chords are at most 1 / ALONG of a circle of the chain's size; a smooth part has PER_PART points.
-    """
-    every = np.concatenate([curve.points for curve in curves])
-    longest = float(np.max(np.ptp(every, axis=0))) * pi / ALONG
-    found = list[Array]()
-    for curve in curves:
-        if curve.degree == 1:
-            chords = np.diff(curve.points, axis=0)
-            pieces = np.maximum(np.ceil(np.hypot(*chords.T) / longest), 1.0).astype(int)
-            share = (np.arange(pieces.sum()) - np.repeat(np.cumsum(pieces) - pieces, pieces)) / np.repeat(
-                pieces, pieces
-            )
-            found.append(
-                np.repeat(curve.points[:-1], pieces, axis=0) + share[:, None] * np.repeat(chords, pieces, axis=0)
-            )
-            continue
-        for part in curve.smooth_parts():
-            x, y = part.at(np.linspace(part.breaks[0], part.breaks[-1], PER_PART, endpoint=False), 0)
-            found.append(np.column_stack([x.value, y.value]))
-    return np.concatenate(found)
-
 
 def chain(curves: Sequence[RationalSpline], axis_mm: Point, key: str) -> ClosedCurve:
     """The contour of curves that follow each other, each beginning where the one before ends.
@@ -189,58 +157,6 @@ def chain(curves: Sequence[RationalSpline], axis_mm: Point, key: str) -> ClosedC
         moved = RationalSpline(curve.degree, curve.knots, curve.points - np.array(axis_mm), curve.weights)
         parts += [(part.at, part.breaks.tolist()) for part in moved.smooth_parts()]
     return drawn(parts, key)
-
-
-def one_contour(curves: Sequence[RationalSpline], near_mm: float, key: str) -> tuple[list[RationalSpline], float]:
-    """Curves in any order and sense as a closed chain, and the greatest gap between their ends in mm.
-
-    Ends within ``near_mm``, but no more than ROUGHEST and no less than JOINED of the contour's size, are one point, and
-    are joined there; shorter curves are left out.  Raises WrongInput where they are not one closed contour.
-    """
-    size = max((float(np.max(np.ptp(curve.points, axis=0))) for curve in curves), default=0.0)
-    if not size:
-        raise WrongInput("no lines, arcs or curves; one closed contour is needed", key=key)
-    every = np.concatenate([curve.points for curve in curves])
-    size = float(np.max(np.ptp(every, axis=0)))
-    near = min(max(near_mm, JOINED * size), ROUGHEST * size)
-    left = [curve for curve in curves if np.max(np.ptp(curve.points, axis=0)) > near]
-    # Both ends of all parts; the ends of parts in the chain are infinitely far.
-    ends_mm = np.array([[curve.points[0], curve.points[-1]] for curve in left])
-    found, first = [left[0]], left[0].points[0]
-    ends_mm[0] = np.inf
-    while _gap(tip := found[-1].points[-1], first) > near:
-        away = np.hypot(*(ends_mm - tip).reshape(-1, 2).T)
-        number, backwards = divmod(int(np.argmin(away)), 2)
-        if (reach := float(away.min())) > near:
-            nearest = f", the nearest one {reach:.3g} mm away" if len(found) < len(left) else ""
-            raise WrongInput(
-                f"the contour is open: it ends at ({tip[0]:.6g}, {tip[1]:.6g}), where no other part begins{nearest}; "
-                "one closed contour is needed",
-                key=key,
-            )
-        found.append(left[number].reversed() if backwards else left[number])
-        ends_mm[number] = np.inf
-    if beside := len(left) - len(found):
-        at = left[int(np.argmax(np.isfinite(ends_mm[:, 0, 0])))].points[0]
-        raise WrongInput(
-            f"{beside} further part{'s' if beside > 1 else ''} beside a closed contour, at ({at[0]:.6g}, "
-            f"{at[1]:.6g}); one closed contour is needed: name its layer or element, or remove the others",
-            key=key,
-        )
-    ends = [curve.points[-1] for curve in found]
-    starts = [ends[-1], *ends[:-1]]
-    gap_mm = max(_gap(curve.points[0], start) for curve, start in zip(found, starts, strict=True))
-    return [_from(curve, start, end) for curve, start, end in zip(found, starts, ends, strict=True)], gap_mm
-
-
-def _gap(one: Array, other: Array) -> float:
-    return hypot(*(one - other).tolist())
-
-
-def _from(curve: RationalSpline, start: Array, end: Array) -> RationalSpline:
-    points = curve.points.copy()
-    points[0], points[-1] = start, end
-    return RationalSpline(curve.degree, curve.knots, points, curve.weights)
 
 
 def polar_points(points_mm: Array, tolerance_mm: float, key: str) -> tuple[Array, Array]:
