@@ -16,6 +16,7 @@ from at_once import at_once
 from drives import DESIGNS, loaded
 from ncgear.design.keys.choices import Choices
 from ncgear.design.reading.design_file import LoadedDesign, parsed
+from ncgear.design.rewritten import rewritten
 from ncgear.figures.advice.values import Advice, Kind, Remedy, RemedySearch
 from ncgear.figures.advice.verdict import State
 from ncgear.numerics.jet import Jet
@@ -24,8 +25,10 @@ from ncgear.optimum.certified.limit import Bound, Motion
 from ncgear.optimum.certified.sweeps import Sweeps
 from ncgear.optimum.certified.tree import Budget
 from ncgear.optimum.task import Figures, figures
+from ncgear.project.drive import Drive
 from ncgear.project.law_task import inertia_as_given, task_of
 from ncgear.project.sizing import Sized
+from ncgear.project.strengthening import rating_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import single
 from ncgear.whole_machines import conflict, gears, limits, wish_prices
@@ -73,6 +76,7 @@ HAS = MachineFigures(
     | {"peak_power_w": 20.0, "peak_torque_n_m": 20.0 / SPEED, "gear_volume_mm3": 2e6, "flank_load_n_mm": 5000.0}
     | {"contact_share": 1.25, "bending_share": 1.5, "teeth": 40, "driven_flywheel_kg_mm2": 3e6}
 )
+SIZED: Any = SimpleNamespace(drive=None, teeth=40)
 CHOICES = Choices.model_validate(
     {
         "cost": {
@@ -155,15 +159,24 @@ def test_a_machine_holds_is_cut_and_has_a_motor(
 
 
 def test_a_machine_whose_verdict_breaks_a_condition_is_unfit(monkeypatch: pytest.MonkeyPatch) -> None:
-    """With the width that would do where one of them is of teeth or flanks, whatever the others are."""
+    """With the width that would do where one of them is of teeth or flanks, whatever the others are.
+
+    More teeth may do where the first of them says so.
+    """
     monkeypatch.setattr(machine_room, "_wider", lambda drive: 1.3)
+    more = {Kind.CONTACT_RATIO: [Remedy("more teeth", search=RemedySearch.FINER)]}
     for kinds, wider in (((Kind.STRENGTH, Kind.CONTACT_RATIO), 1.3), ((Kind.CONTACT_RATIO,), None)):
-        rows = [SimpleNamespace(kind=kind, state=State.BROKEN, advices=[SimpleNamespace(brief="no")]) for kind in kinds]
+        advices = [SimpleNamespace(brief="no", remedies=more.get(kind, [])) for kind in kinds]
+        rows = [
+            SimpleNamespace(kind=kind, state=State.BROKEN, advices=[advice])
+            for kind, advice in zip(kinds, advices, strict=True)
+        ]
         verdict = SimpleNamespace(rows=[*rows, SimpleNamespace(kind=Kind.FLANKS, state=State.KEPT, advices=[])])
         monkeypatch.setattr(machine_room, "judged", lambda drive, known, seconds, verdict=verdict: verdict)
         found = machine_room.judged_machine(PUSHER, "hobbed", Choices())
         assert isinstance(found, Unfit)
         assert (found.why, found.wider) == (tuple(f"{kind}: no" for kind in kinds), wider)
+        assert found.finer is (kinds[0] in more)
 
 
 def test_faces_are_wider_by_what_teeth_and_flanks_need(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -335,10 +348,12 @@ def test_candidates_are_guessed_by_their_law() -> None:
         found_law(3000.0, peak_power_w=40.0, braking_power_w=0.0399),
     ]
     steel, better = (material for material, _ in search.materials)
+    search.near = {(False, 1): HAS}
     found = search._candidates({(False, 0): 400.0, (True, 0): 500.0, (False, 1): 300.0, (True, 1): 600.0})
     volumes = [(search.laws.index(one.law), one.material, one.volume_mm3) for one in found]
     assert volumes == [(0, better, 1.5e6), (2, better, 0.9e6)]
-    power, volume, cost = search._guessed(Candidate(search.laws[0], steel, 1.5, 2e6))
+    assert [one.near for one in found] == [HAS, HAS]
+    power, volume, cost = search._guessed(Candidate(search.laws[0], steel, 1.5, 2e6, None))
     assert (power, volume) == (20.0, 2e6)
     assert cost == pytest.approx(2.0 * 20.0 + 3.0 * 20.0 / SPEED + 10.0 * 2.0 * 1.5 + 5.0)
 
@@ -422,6 +437,89 @@ def test_faces_are_widened_until_teeth_hold(monkeypatch: pytest.MonkeyPatch) -> 
     assert making.finished(Sized({}, None, None)).why == ("weak",)  # type: ignore[arg-type,union-attr]
     # 12 * 1.26 = 15.1, 16 * 1.01 = 16.2, and one more
     assert widths == [12.0, 16.0, 17.0, 18.0]
+
+
+def making_with_masses(choices: str = "") -> gears._Making:
+    text = f"{PUSHER}{WITH_FLYWHEEL}{choices}"
+    return gears._Making(parsed(text, Path("d.yaml")), gears.GearJob(found_law(5000.0), None, ("hobbed",)), "hobbed")
+
+
+def test_tips_that_the_law_with_own_inertia_shortens_get_the_law_as_it_was(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Both are judged once, and where neither makes a machine no law is sought again for the same gears."""
+    making, laws = making_with_masses(), list[tuple[float, ...]]()
+    again = replace(making.job.law, ratio=(1.1, 0.9, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0))
+
+    def judged(text: str, process: str, choices: Choices) -> Unfit:
+        laws.append(tuple(parsed(text, Path("machine.yaml")).design.motion.model_dump()["ratio"]))
+        return Unfit(("short",), finer=True)
+
+    monkeypatch.setattr(gears, "settled_law", lambda *asked: again)
+    monkeypatch.setattr(gears, "judged_machine", judged)
+    monkeypatch.setattr(gears._Making, "values", lambda self, sized: {"gears.face_width_mm": 12})
+    assert making.finished(SIZED).finer  # type: ignore[union-attr]
+    assert laws == [again.ratio, making.job.law.ratio]
+
+
+def test_gears_that_make_no_machine_for_want_of_teeth_are_sized_again_with_more(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """By 15 % at least, or with a larger module, as gears that the verdict refuses."""
+    making, sizes, answers = making_with_masses(), list[tuple[int, float]](), list[gears.Accepted]()
+    offered = [(30, 2.0), (34, 2.0), (35, 2.0), (20, 2.5)]
+
+    def smallest(drive: Any, room: Any, accepted: Any, most: int, tell: Any) -> Any:
+        for teeth, module in offered:
+            sized = SimpleNamespace(drive=None, teeth=teeth, module_mm=module)
+            answers.append(accepted(sized))
+            if answers[-1] is gears.Accepted.YES:
+                return sized
+        return None
+
+    def finished(self: gears._Making, sized: Any) -> Unfit:
+        sizes.append((sized.teeth, sized.module_mm))
+        return Unfit(("short",), finer=len(sizes) < 3)
+
+    monkeypatch.setattr(gears, "smallest_accepted", smallest)
+    monkeypatch.setattr(gears, "judged", lambda drive, known, seconds: SimpleNamespace(rows=()))
+    monkeypatch.setattr(gears._Making, "finished", finished)
+    assert making.made().why == ("short",)  # type: ignore[union-attr]
+    assert sizes == [(30, 2.0), (35, 2.0), (20, 2.5)]
+    more = gears.Accepted.WITH_MORE_TEETH
+    yes = gears.Accepted.YES
+    assert answers == [yes, more, more, yes, more, more, more, yes]
+
+
+def test_the_law_of_own_inertia_keeps_to_the_motor(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A fifth of a percent more power is room, unless the weakest motor of the law has less."""
+    caps = list[float]()
+    monkeypatch.setattr(gears, "settled_law", lambda design, teeth, near, cap_w: caps.append(cap_w))
+    monkeypatch.setattr(gears, "judged_machine", lambda text, process, choices: Unfit(("weak",)))
+    monkeypatch.setattr(gears._Making, "values", lambda self, sized: {"gears.face_width_mm": 12})
+    for motors in ("", "choices: {motors: [{name: a, power_w: 10}, {name: b, power_w: 20.01}]}"):
+        making_with_masses(motors).finished(SIZED)
+    assert caps == pytest.approx([1.002 * 20.0, 20.01], rel=1e-12)
+
+
+@pytest.mark.slow
+def test_a_shaft_under_the_rod_ends_below_it() -> None:
+    """The baler's rod passes over the driving shaft: the remedy is of no gear, and the machine's file has it."""
+    text = rewritten((DESIGNS / "baler-flywheel.yaml").read_text(encoding="utf-8"), {"fit": None})
+    given = parsed(text, Path("d.yaml"))
+    making = gears._Making(given, gears.GearJob(found_law(5000.0), None, ("hobbed",)), "hobbed")
+    drive = Drive(given.design)
+    sized = Sized({}, drive, rating_of(drive, "estimate"))
+    assert making.is_clean(sized) is gears.Accepted.YES
+    assert making.mended == {"fit.driving_shaft": "ends"}
+    assert making.values(sized)["fit.driving_shaft"] == "ends"
+
+
+def test_the_search_begins_with_the_gears_of_another_law(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Eight times the flank load wants gears twice as large and as wide, with as many teeth."""
+    begun = list[Any]()
+    monkeypatch.setattr(gears, "smallest_accepted", lambda drive, *asked: begun.append(drive.gears))
+    near = replace(HAS, teeth=47, module_mm=1.5, face_width_mm=11.0, flank_load_n_mm=625.0)
+    gears._Making(loaded("pusher"), gears.GearJob(found_law(5000.0), None, ("hobbed",), near), "hobbed").made()
+    assert [(one.teeth, one.module_mm, one.face_width_mm) for one in begun] == [(47, 3.0, 22.0)]
 
 
 def test_the_price_of_a_wish_is_what_is_needed_more_with_it(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -170,6 +170,11 @@ class Sized:
         return 2.0 * max(self.drive.outer_radii_mm.values())
 
 
+def is_finer(coarse: Sized, teeth: int, module_mm: float) -> bool:
+    """Whether a size may do what refused gears with too few teeth do not: ``FINER_BY`` more, or a larger module."""
+    return teeth >= FINER_BY * coarse.teeth or module_mm > coarse.module_mm
+
+
 def require_material(name: str, key: str) -> None:
     """Raise WrongInput, for an option ``key``, where the table has no such material."""
     if name not in TABLE:
@@ -384,7 +389,7 @@ class _Search:
                 (teeth, module)
                 for module in self.space.modules_mm
                 for teeth in self.teeth()
-                if all(teeth >= FINER_BY * one.teeth or module > one.module_mm for one in coarse)
+                if all(is_finer(one, teeth, module) for one in coarse)
             ]
             open_ = [(self.volume(*size), size) for size in sizes if size not in tried | self.weak]
             guessed, size = min(open_, default=(inf, None))

@@ -12,21 +12,30 @@ from typing import Any, NamedTuple
 from ncgear.design.keys.choices import Choices, Process
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.gears import SIZES
+from ncgear.design.keys.machine import Fit
 from ncgear.design.keys.strength import GearMaterial, PairMaterial
 from ncgear.design.laws.registry import found_values
 from ncgear.design.reading.design_file import LoadedDesign, parsed
 from ncgear.design.reading.text import whole
 from ncgear.design.rewritten import design_copy
 from ncgear.errors import DesignError
-from ncgear.figures.advice.values import RemedySearch
 from ncgear.figures.advice.verdict import KnownParts, judged
 from ncgear.project.alternatives import Changes, changed_drive
 from ncgear.project.drive import Drive
+from ncgear.project.in_common import drive_like
 from ncgear.project.law import kept_size
-from ncgear.project.sizing import FEWEST_TEETH, Accepted, GearRoom, Sized, smallest_accepted, stated_inertias
-from ncgear.project.strengthening import SERIES_I_MM
+from ncgear.project.sizing import FEWEST_TEETH, Accepted, GearRoom, Sized, is_finer, smallest_accepted, stated_inertias
+from ncgear.project.strengthening import SERIES_I_MM, sized
 from ncgear.whole_machines.laws import FoundLaw, law_keys, settled_law
-from ncgear.whole_machines.machine import WEAK, Unfit, WholeMachine, broken, judged_machine
+from ncgear.whole_machines.machine import (
+    WEAK,
+    MachineFigures,
+    Unfit,
+    WholeMachine,
+    ask_for_more_teeth,
+    broken,
+    judged_machine,
+)
 
 MOST_COMPUTED = 8
 """Most gears that are computed for one law and material, at a second each."""
@@ -45,11 +54,16 @@ SIZE_KEYS = {f"gears.{key}" for key in (*SIZES, "face_width_mm", "material")}
 
 
 class GearJob(NamedTuple):
-    """A law, a material (None: the file's material) and ways of making teeth, from which a machine is to be made."""
+    """A law, a material (None: the file's material) and ways of making teeth, from which a machine is to be made.
+
+    The search begins with the gears of ``near``, a machine of another law, grown or shrunk with the flank load; without
+    it at the size of the file.
+    """
 
     law: FoundLaw
     material: GearMaterial | None
     processes: tuple[Process, ...]
+    near: MachineFigures | None = None
 
 
 def machine_of(text: str, job: GearJob) -> WholeMachine | Unfit:
@@ -116,6 +130,7 @@ class _Making:
         self.choices = loaded.design.choices or Choices()
         self.mended: Changes = {}
         self.kept: Changes = {}
+        self.coarse: list[Sized] = []
         self.why: tuple[str, ...] = ("no gears of these modules and face widths hold",)
 
     def made(self) -> WholeMachine | Unfit:
@@ -123,10 +138,18 @@ class _Making:
         try:
             drive = started(self.loaded.design, self.job.law, self.job.material)
             room = room_of(self.choices, fewest_teeth(drive))
+            if (near := self.job.near) is not None:
+                grown = (self.job.law.flank_load_n_mm / near.flank_load_n_mm) ** (1.0 / 3.0)
+                size = sized(drive, max(near.teeth, room.fewest_teeth), grown * near.module_mm)
+                drive = changed_drive(drive, {**size, "gears.face_width_mm": grown * near.face_width_mm})
             for _ in range(MENDED):
                 try:
                     found = smallest_accepted(drive, room, self.is_clean, MOST_COMPUTED, lambda done, most: None)
-                    return Unfit(self.why) if found is None else self.finished(found)
+                    made = Unfit(self.why) if found is None else self.finished(found)
+                    if found is None or isinstance(made, WholeMachine) or not made.finer:
+                        return made
+                    self.coarse.append(found)
+                    self.why = made.why
                 except _Weakened as weakened:
                     # Teeth that the changes make thinner or lower have to be larger
                     self.kept |= weakened.changes
@@ -138,8 +161,11 @@ class _Making:
     def is_clean(self, sized: Sized) -> Accepted:
         """Whether the verdict on gears is clean, after its own remedies; the remedies are kept.
 
-        Raises _Weakened where teeth do not hold with these remedies.
+        Gears no finer than those that made no machine with the law of their own inertia are not.  Raises _Weakened
+        where teeth do not hold with these remedies.
         """
+        if not all(is_finer(one, sized.teeth, sized.module_mm) for one in self.coarse):
+            return Accepted.WITH_MORE_TEETH
         drive, taken = sized.drive, Changes()
         try:
             for _ in range(MENDED):
@@ -153,11 +179,10 @@ class _Making:
                 if taken and rows[0].kind in WEAK:
                     raise _Weakened(drive, taken)
                 remedies = [remedy for advice in rows[0].advices for remedy in advice.remedies]
-                changes = next((made for one in remedies if (made := _of_gears(one.changes))), None)
+                changes = next((made for one in remedies if (made := _taken(one.changes))), None)
                 if changes is None:
-                    finer = any(one.search is RemedySearch.FINER for one in remedies)
-                    return Accepted.WITH_MORE_TEETH if finer else Accepted.NO
-                drive = changed_drive(drive, changes)
+                    return Accepted.WITH_MORE_TEETH if ask_for_more_teeth(rows) else Accepted.NO
+                drive = _changed(drive, changes)
                 taken |= changes
         except DesignError as error:
             self.why = (error.problem,)
@@ -166,7 +191,9 @@ class _Making:
     def finished(self, sized: Sized) -> WholeMachine | Unfit:
         """The machine with a law found with its own gears, widened until its teeth hold with this law."""
         law, values = self.job.law, self.values(sized)
-        cap_w = ROOM_OF_CAP * law.found.peak_power_w
+        power_w = law.found.peak_power_w
+        motors = (one.power_w for one in self.choices.motors or () if one.power_w >= power_w)
+        cap_w = min((ROOM_OF_CAP * power_w, *motors))
         made: WholeMachine | Unfit = Unfit(self.why)
         for _ in range(ROUNDS):
             design = parsed(design_copy(self.loaded, values), Path("machine.yaml")).design
@@ -174,12 +201,16 @@ class _Making:
                 law = settled_law(design, sized.teeth, law.motion, cap_w) or law
                 values["motion"] = found_values(law.ratio, None)
             made = judged_machine(design_copy(self.loaded, values), self.process, self.choices)
+            if isinstance(made, Unfit) and made.finer:
+                # Tips that the law of these gears' inertia shortens may do with the law as it was
+                values["motion"] = found_values(self.job.law.ratio, None)
+                made = judged_machine(design_copy(self.loaded, values), self.process, self.choices)
             if isinstance(made, WholeMachine):
                 return made
             if made.wider is not None:
                 width_mm = values["gears.face_width_mm"]
                 values["gears.face_width_mm"] = whole(float(ceil(max(width_mm * made.wider, width_mm + 1.0) - 1e-9)))
-            elif design.masses is None:
+            else:
                 break
         return made
 
@@ -205,9 +236,17 @@ class _Making:
         return values
 
 
-def _of_gears(changes: tuple[Any, ...]) -> Changes:
-    """The changes of a remedy, if all are of the gears and none is a size; else none."""
+def _changed(drive: Drive, changes: Changes) -> Drive:
+    """The drive of the design with changes below ``gears`` and ``fit``."""
+    fit = {key.removeprefix("fit."): value for key, value in changes.items() if key.startswith("fit.")}
+    passing = (drive.design.fit or Fit()).model_copy(update=fit)
+    other = drive_like(drive, drive.design.model_copy(update={"fit": passing})) if fit else drive
+    return changed_drive(other, {key: value for key, value in changes.items() if key.startswith("gears.")})
+
+
+def _taken(changes: tuple[Any, ...]) -> Changes:
+    """The changes of a remedy, if all are of the gears or of what passes them and none is a size; else none."""
     keys = [one.key for one in changes]
-    if not keys or any(not key.startswith("gears.") or key in SIZE_KEYS for key in keys):
+    if not keys or any(not key.startswith(("gears.", "fit.")) or key in SIZE_KEYS for key in keys):
         return {}
     return {one.key: one.value for one in changes}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import inf
 from pathlib import Path
@@ -13,7 +13,7 @@ from ncgear.design.keys.optimize import Optimize
 from ncgear.design.reading.design_file import parsed
 from ncgear.design.rewritten import rewritten
 from ncgear.errors import DesignError
-from ncgear.figures.advice.values import Kind
+from ncgear.figures.advice.values import Kind, RemedySearch
 from ncgear.figures.advice.verdict import JudgedCondition, KnownParts, State, Verdict, judged
 from ncgear.frozen import dataclass
 from ncgear.metrology.cut_by import CutVerdict, Tool
@@ -108,10 +108,12 @@ class Unfit:
     """Why gears do not make a whole machine: the words of the verdict or of a limit.
 
     ``wider`` is the factor of the face width with which teeth and flanks may hold; None where they are not the cause.
+    ``finer`` says whether more teeth may help.
     """
 
     why: tuple[str, ...]
     wider: float | None = None
+    finer: bool = False
 
 
 def machine_and_law_figures(drive: Drive) -> tuple[MachineFigures, Figures]:
@@ -178,6 +180,13 @@ def broken(verdict: Verdict, process: Process) -> list[JudgedCondition]:
     ]
 
 
+def ask_for_more_teeth(rows: Sequence[JudgedCondition]) -> bool:
+    """Whether the first of the broken conditions has more teeth among its remedies."""
+    return any(
+        one.search is RemedySearch.FINER for row in rows[:1] for advice in row.advices for one in advice.remedies
+    )
+
+
 def cut_words(drive: Drive, process: Process) -> str | None:
     """How a process makes both gears, in words; None where it cannot."""
     plastic = [isinstance(one.entry, Plastic) for one in choices_of(drive.gears)]
@@ -228,11 +237,11 @@ def judged_machine(text: str, process: Process, choices: Choices) -> WholeMachin
     loaded = parsed(text, Path("machine.yaml"))
     drive = Drive(loaded.design, loaded=loaded)
     try:
-        verdict = judged(drive, KnownParts.TEETH, seconds=0.0)
-        wrong = [f"{row.kind}: {advice.brief}" for row in broken(verdict, process) for advice in row.advices]
+        rows = broken(judged(drive, KnownParts.TEETH, seconds=0.0), process)
+        wrong = [f"{row.kind}: {advice.brief}" for row in rows for advice in row.advices]
         if wrong:
-            weak = any(row.kind in WEAK for row in broken(verdict, process))
-            return Unfit(tuple(wrong), _wider(drive) if weak else None)
+            weak = any(row.kind in WEAK for row in rows)
+            return Unfit(tuple(wrong), _wider(drive) if weak else None, ask_for_more_teeth(rows))
         found, law = machine_and_law_figures(drive)
         missed = limits_missed(loaded.design, law, found.pressure_angle_deg)
         wider = None

@@ -25,7 +25,7 @@ from ncgear.whole_machines.conflict import refusal_of_gears
 from ncgear.whole_machines.gears import GearJob, machine_of
 from ncgear.whole_machines.laws import FoundLaw, LawJob, flywheel_sizes, law_design, laws_of, with_best_lengths
 from ncgear.whole_machines.limits import MachineLimits, ProvenLimits
-from ncgear.whole_machines.machine import Unfit, WholeMachine, cost_of, guessed_figures, motor_for
+from ncgear.whole_machines.machine import MachineFigures, Unfit, WholeMachine, cost_of, guessed_figures, motor_for
 from ncgear.whole_machines.pareto import far_apart, objectives_of, recommended, undominated
 from ncgear.whole_machines.wish_prices import WishPrice, wish_prices
 from ncgear.workers import finished
@@ -48,12 +48,13 @@ OnStep = Callable[[str, int, int], None]
 
 
 class Candidate(NamedTuple):
-    """A law and a material, with a guess of the gears' volume that they need."""
+    """A law and a material, with a guess of the gears' volume that they need, from the gears of another law, if any."""
 
     law: FoundLaw
     material: GearMaterial | None
     factor: float
     volume_mm3: float
+    near: MachineFigures | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,6 +112,7 @@ class MachineSearch:
         self.laws: list[FoundLaw] = []
         self.made: list[WholeMachine] = []
         self.unfit: list[Unfit] = []
+        self.near: dict[Kind, MachineFigures] = {}
         self.lengths: Mapping[str, float] = {}
         if not any(self.processes_of(material) for material, _ in self.materials):
             problem = (
@@ -130,7 +132,7 @@ class MachineSearch:
         constants = self._reference()
         # The machine of the reference has been made already
         picked = far_apart(self._candidates(constants), self._guessed, self.choices.machines + MORE)
-        jobs = [GearJob(one.law, one.material, self.processes_of(one.material)) for one in picked]
+        jobs = [GearJob(one.law, one.material, self.processes_of(one.material), one.near) for one in picked]
         _ = list(self._numbered("machines", jobs))
         if not self.made:
             raise self._refused_gears()
@@ -188,7 +190,7 @@ class MachineSearch:
         balanced: list[float] = []
         for number, made in self._numbered("materials", list(jobs.values())):
             if isinstance(made, WholeMachine):
-                found = made.figures
+                found = self.near[list(jobs)[number]] = made.figures
                 pits = found.contact_share < inf
                 spare = found.contact_share**2 if pits else found.bending_share
                 constants[list(jobs)[number]] = found.gear_volume_mm3 / spare / found.flank_load_n_mm
@@ -244,7 +246,7 @@ class MachineSearch:
         """Laws with materials that may count: no other one is guessed to be better in every figure."""
         materials = self.materials
         every = [
-            Candidate(law, *materials[place], constant * law.flank_load_n_mm)
+            Candidate(law, *materials[place], constant * law.flank_load_n_mm, self.near.get((brakes, place)))
             for law in self.laws
             for (brakes, place), constant in constants.items()
             if brakes is _brakes(law)
