@@ -299,7 +299,10 @@ def test_positions_also_have_the_places_of_those_further_on(closed: bool) -> Non
 def test_a_helix_bridges_a_gap_by_what_it_advances_over_the_face(gap: float, width: float, angle_deg: Any) -> None:
     """A little more than the gap in pitches of 2 pi mm over 20 mm; nothing where that is too steep, or given."""
     contact, rack = Made(longest_gap_pitches=gap), Made(pitch_mm=2.0 * pi)
-    gears, pitch = Made(method="exact", face_width_mm=width, **dict.fromkeys(PROCESS)), Made(driven=Made(is_ring=False))
+    gears, pitch = (
+        Made(idlers=None, method="exact", face_width_mm=width, **dict.fromkeys(PROCESS)),
+        Made(driven=Made(is_ring=False)),
+    )
     drive: Any = Made(
         helix=angle_deg,
         pitch=pitch,

@@ -123,7 +123,7 @@ def test_herringbones_are_as_narrow_as_holds(
         design=Made(motion=Made(is_open=False)),
         helix=None,
         pitch=Made(driven=Made(is_ring=False)),
-        gears=Made(method="exact"),
+        gears=Made(idlers=None, method="exact"),
     )
     monkeypatch.setattr("ncgear.project.gear_solids.PROCESS", ())
     widths: list[float] = []

@@ -201,6 +201,7 @@ REASONS = {
     Limit.LAND: "higher its land would be too narrow",
     Limit.FOULING: "higher it would foul the mate's tips",
     Limit.HELIX: "higher it would jump between sections of the helical teeth",
+    Limit.OTHER_MESH: "higher it would not suit the gear's other mesh",
 }
 
 REMEDY = (

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
-from math import atan, degrees, floor, pi, radians
+from math import atan, ceil, degrees, floor, pi, radians
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -171,6 +171,19 @@ def changed_drive(drive: Drive, changes: Changes) -> Drive:
     return drive_like(drive, drive.design.model_copy(update={"gears": changed_gears(drive.gears, changes)}))
 
 
+def is_accepted(design: Design, changes: Changes) -> bool:
+    """Whether a file may have the changes below ``gears``: a row of gears, for one, has no helical teeth."""
+    asked = {key: value for key, value in changes.items() if key.startswith("gears.")}
+    if not asked or design.gears is None:
+        return True
+    try:
+        changed = design.model_copy(update={"gears": changed_gears(design.gears, asked)})
+        type(design).model_validate(changed.model_dump(by_alias=True, exclude_unset=True))
+    except (ValidationError, DesignError):
+        return False
+    return True
+
+
 def flatter_rack(drive: Drive, excess_deg: float) -> Changes:
     """A rack whose pressure angle is less by ``excess_deg``; empty where that is under LEAST_RACK_DEG."""
     gears = drive.gears
@@ -196,12 +209,13 @@ def _enough(drive: Drive, driving: BasicRack, driven: BasicRack) -> int:
 
 
 def resized(drive: Drive, teeth: int) -> Changes:
-    """The changes that give the driving gear ``teeth`` teeth at the same centre distance, by a module that fits.
+    """The changes that give a pair's driving gear ``teeth`` teeth at the same centre distance, by a module that fits.
 
     A design that gives teeth and centre distance needs no other change.  Where a design gives the module, the module
     changes too, or is left out if the centre distance is also given.
     """
-    gears, size = drive.gears, drive.pitch.size
+    gears, size = drive.gears, drive.whole.by_stage[0].pitch.size
+    teeth = ceil(teeth * size.driving_teeth / drive.pitch.size.driving_teeth)
     changes: Changes = {"gears.teeth": teeth}
     if gears.profile_shift.per_tooth is not None:
         # The shifts were given for other teeth.
@@ -349,12 +363,12 @@ def bridging_helix(drive: Drive) -> Changes:
 def may_be_helical(drive: Drive) -> bool:
     """Whether teeth are straight and helical ones can be made in their place.
 
-    They cannot on rings, on gears that turn less than once, by other methods, and with keys of the process.
+    They cannot on rings, in rows, on gears that turn less than once, by other methods, and with keys of the process.
     """
     from ncgear.project.gear_solids import PROCESS
 
     straight = drive.helix is None and drive.gears.method == "exact"
-    kept_from = drive.pitch.driven.is_ring or drive.design.motion.is_open
+    kept_from = drive.pitch.driven.is_ring or drive.design.motion.is_open or drive.gears.idlers is not None
     return straight and not kept_from and not any(getattr(drive.gears, key) for key in PROCESS)
 
 

@@ -55,6 +55,7 @@ if TYPE_CHECKING:
     from ncgear.teeth.form import CutterKind, ToothForm
     from ncgear.teeth.gear import ToothedPair
     from ncgear.trains.chain import PairRow
+    from ncgear.trains.contact import Distance
 
 
 class Geared(Moving):
@@ -212,6 +213,20 @@ class Geared(Moving):
 
         with self.stopwatch("teeth"):
             return row_tips(self.row, self.row_form)
+
+    @computed
+    def row_room(self) -> list[Distance]:
+        """The least distances of the gears of a whole row that come near to each other and do not mesh."""
+        from ncgear.trains.chain import train_of_gears
+        from ncgear.trains.contact import distances_of
+        from ncgear.trains.train import TrainFigures
+
+        pairs, given = self.by_stage, self.gears
+        gears = [pairs[0].teeth.driving, *(pair.teeth.driven for pair in pairs)]
+        body = given.face_width_mm, None, self.design.operation.speed_rpm, pairs[0].chord_tolerance_mm
+        with self.stopwatch("room between gears"):
+            train = train_of_gears(self.row, gears, *body, TrainFigures(""))
+            return distances_of(train, {part.name: part.outline_mm for part in train.parts})
 
     @computed
     def teeth(self) -> ToothedPair:

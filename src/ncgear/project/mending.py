@@ -31,6 +31,7 @@ from ncgear.project.alternatives import (
     changed_drive,
     changed_gears,
     fitted_root_radius,
+    is_accepted,
     rack_at,
     resized,
     shifted_against_undercut,
@@ -342,7 +343,8 @@ def ways(drive: Drive) -> Iterator[tuple[MendingWay, ...]]:
     fitted = _fitted(drive)
     for kinds in ORDER:
         options = [_options(drive, kind, alone=len(kinds) == 1) for kind in kinds]
-        found = [MendingWay(kinds, reduce(or_, chosen, fitted)) for chosen in product(*options)]
+        changes = (reduce(or_, chosen, fitted) for chosen in product(*options))
+        found = [MendingWay(kinds, one) for one in changes if is_accepted(drive.design, one)]
         if MendingSubject.FINER in kinds:
             # Fewer teeth are the lesser change.
             yield from ((way,) for way in found)

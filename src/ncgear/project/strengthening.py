@@ -145,10 +145,11 @@ def wide_enough(drive: Drive, rating: Rating) -> Changes:
 
 def large_enough(drive: Drive, rating: Rating) -> Changes:
     """The module of series I with which the same number of teeth and face width hold; empty where there is none."""
+    teeth = drive.whole.by_stage[0].pitch.size.driving_teeth
 
     def changes(module_mm: float) -> Changes | None:
         module = next((one for one in SERIES_I_MM if one >= module_mm), None)
-        return None if module is None else sized(drive, drive.pitch.size.driving_teeth, module)
+        return None if module is None else sized(drive, teeth, module)
 
     return _enough(drive, rating, drive.pitch.size.module_mm, module_factor, changes)
 

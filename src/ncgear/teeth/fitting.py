@@ -102,7 +102,8 @@ def _below_ceilings(tips: PairTips, limits: TipLimits) -> PairTips:
     if limits.ceilings is None:
         return tips
     driving, driven = (
-        held_below(tip, over.over(tip.flanks.crossing_mm)) for tip, over in zip(tips, limits.ceilings, strict=True)
+        held_below(tip, over.over(tip.flanks.crossing_mm), Limit.HELIX)
+        for tip, over in zip(tips, limits.ceilings, strict=True)
     )
     return driving, driven
 

@@ -57,6 +57,7 @@ class Limit(IntEnum):
     LAND = 5
     FOULING = 6
     HELIX = 7
+    OTHER_MESH = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,14 +150,14 @@ def fitted_tips(flanks: Flanks, bounds: Bounds, undercut: Mask, least_land_mm: f
     return Tips(edges.flanks, edges.top_mm, edges.at_mm, limit, undercut, np.full(flanks.count, np.inf))
 
 
-def held_below(tips: Tips, ceiling_mm: Array) -> Tips:
-    """The tips, lowered to a ceiling, (2 z,), within their bounds; raises NoSuchMechanism where no tip remains."""
+def held_below(tips: Tips, ceiling_mm: Array, reason: Limit = Limit.OTHER_MESH) -> Tips:
+    """The tips, lowered for a reason to a ceiling, (2 z,); raises NoSuchMechanism where no tip remains."""
     full = tips.flanks.tip_height_mm
     height = even_heights(tips.flanks, np.minimum(full, ceiling_mm))
     edges = _Edges(tips.flanks, tips.height_mm, tips.at_mm, np.ones(full.size, dtype=bool)).moved(height)
     if not edges.met.all():
         raise no_tip(edges.flanks, int(np.argmin(edges.met)))
-    limit = np.where(height < full, Limit.HELIX, tips.limit)
+    limit = np.where(height < full, reason, tips.limit)
     return replace(tips, flanks=edges.flanks, height_mm=edges.top_mm, at_mm=edges.at_mm, limit=limit)
 
 

@@ -24,7 +24,7 @@ from ncgear.teeth.backlash import require_teeth
 from ncgear.teeth.fitting import PairTips, least_contact_ratio
 from ncgear.teeth.flank import Flanks
 from ncgear.teeth.form import Backlash, Cutter, CutterKind, ToothForm
-from ncgear.teeth.gear import pair_tips, toothed_gear
+from ncgear.teeth.gear import ToothedGear, pair_tips, toothed_gear
 from ncgear.teeth.outline import ChordTolerance
 from ncgear.teeth.tips import Tips, held_below
 from ncgear.teeth.tool import least_concave_radius_mm, most_teeth
@@ -158,7 +158,20 @@ def chain_train(
         made = [tips for _, tips in row_tips(row, row_form(row, form))]
         chords = ChordTolerance(tolerance_mm, tolerance_mm)
         gears = [toothed_gear(one, chords) for one in (made[0][0], *(driven for _, driven in made))]
-    ratio = min(least_contact_ratio(both) for both in made)
+    told = _told(row, min(least_contact_ratio(both) for both in made))
+    return train_of_gears(row, gears, width_mm, bore_mm, speed_rpm, tolerance_mm, told)
+
+
+def train_of_gears(
+    row: PairRow,
+    gears: Sequence[ToothedGear],
+    width_mm: float,
+    bore_mm: float | None,
+    speed_rpm: float,
+    tolerance_mm: float,
+    told: TrainFigures,
+) -> Train:
+    """The row as a train, of the driving gear of its first mesh and the driven gears of all."""
     parts, axes = [], row.axes_mm
     for number, gear in enumerate(gears):
         # The outline is made for a driven gear, which turns clockwise; gears 2, 4, ... turn counter-clockwise.
@@ -173,7 +186,6 @@ def chain_train(
         return Poses(place.real, place.imag, standing + sense * turned)
 
     meshes = tuple(GearMesh(one.name, other.name) for one, other in pairwise(parts))
-    told = _told(row, ratio)
     return Train(tuple(parts), meshes, poses_at, parts[0].name, row.cycle_rad, speed_rpm, tolerance_mm, told)
 
 

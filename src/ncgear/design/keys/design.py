@@ -43,8 +43,11 @@ else:
     ]
 
 
-ALIKE = dict.fromkeys(("gears.driven", "gears.material"), ", but the same for both gears")
-"""What is offered of keys of both gears of a pair."""
+OFFERED = {
+    **dict.fromkeys(("gears.driven", "gears.material"), ", but the same for both gears"),
+    "gears.rack.idle_pressure_angle_deg": ", where both flanks of an idler push",
+}
+"""What is offered in place of keys that a row of gears refuses, or why it refuses them."""
 
 MOST_PAIRS_WITH_MASSES = 2
 """Most pairs in series whose shaft between counts in power and knocks."""
@@ -324,6 +327,7 @@ class Design(Model, Shown):
             "gears.method": gears.method != "exact",
             "gears.index_holes": gears.index_holes,
             "gears.backlash_deg": gears.backlash_deg is not None,
+            "gears.rack.idle_pressure_angle_deg": gears.rack.angles_deg[0] != gears.rack.angles_deg[1],
             "gears.profile_shift": gears.profile_shift != type(gears.profile_shift)(),
             "gears.cutter": gears.cutter != type(gears.cutter)(),
             "gears.tolerances.tooth_thickness_upper_mm": gears.tolerances.tooth_thickness_upper_mm is not None,
@@ -334,7 +338,7 @@ class Design(Model, Shown):
             if is_given:
                 yield fault(
                     key,
-                    f"not offered for a row of gears with idlers{ALIKE.get(key, '')}; leave it out, or gears.idlers",
+                    f"not offered for a row of gears with idlers{OFFERED.get(key, '')}; leave it out, or gears.idlers",
                 )
 
     def _shared_out(self) -> Faults:

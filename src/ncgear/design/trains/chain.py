@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from pydantic import Field
 
-from ncgear.design.keys.base import FORMULA, Expression, Length, Several, optional, required
+from ncgear.design.keys.base import FORMULA, Expression, Faults, Length, Several, fault, optional, required
 from ncgear.design.keys.gears import MOST_IDLERS, Bend, Lobe
 from ncgear.design.keys.machine import ShaftTorque
 from ncgear.design.keys.strength import StrengthKeys, WrittenMaterials
@@ -77,6 +77,14 @@ class Chain(TrainKeys):
         "permissible deviations of gears and assembly, for ncgear tolerance; left out: grade 8 and more, which its "
         "answer tells"
     )
+
+    def _both_flanks_of_idlers_push(self) -> Faults:
+        pushing, idle = self.gears.rack.angles_deg
+        if pushing != idle:
+            yield fault(
+                "gears.rack.idle_pressure_angle_deg",
+                f"{idle:g} given, but both flanks of an idler push; leave it out, or {pushing:g} is right",
+            )
 
     def machine(self) -> dict[str, Any]:
         """A pair of gears by themselves whose driven gear drives the others."""

@@ -41,6 +41,7 @@ MEANINGS = {
     Limit.CUSP: "they would end in cusps, so concave is the pitch curve there",
     Limit.FOULING: "they would run into the mate's tips, so concave is the pitch curve there",
     Limit.HELIX: "they would jump between sections of the helical teeth",
+    Limit.OTHER_MESH: "they would be too high for the gear's other mesh",
 }
 """Why tips of full height are shortened; undercut and pointed tips have advices of their own."""
 
@@ -258,6 +259,16 @@ def thrust(drive: Drive) -> Advice | None:
     )
 
 
+SPREAD = Remedy("smaller bends, or bends to both sides, spread the row", short="smaller bends, or bends to both sides")
+
+
+def room(drive: Drive) -> list[Advice]:
+    """Gears of a row that do not mesh, and meet somewhere in the turn."""
+    meeting = (one for one in drive.whole.row_room if one.least_mm <= 0.0)
+    what = [f"{one.first} and {one.second} meet at phi1 = {placed(degrees(one.at_rad))} deg" for one in meeting]
+    return [Advice(Kind.ROOM, said, "the row cannot turn past there", (SPREAD,), brief=said) for said in what]
+
+
 NEARLY_ALL = 0.995
 
 OTHER_WAYS = Remedy(
@@ -328,6 +339,7 @@ def index_holes(drive: Drive) -> Advice | NotJudged | None:
 
 
 JUDGES: dict[Kind, Callable[[Drive], Advice | NotJudged | Iterable[Advice] | None]] = {
+    Kind.ROOM: room,
     Kind.JAMS: jams,
     Kind.CONTACT_RATIO: contact_ratio,
     Kind.INDEX_HOLES: index_holes,

@@ -22,6 +22,7 @@ class Kind(StrEnum):
     STRENGTH = "strength"
     FLANKS = "flanks"
     VIBRATION = "vibration"
+    ROOM = "room"
     JAMS = "jams"
     CONTACT_RATIO = "contact_ratio"
     PRESSURE_ANGLE = "pressure_angle"

@@ -26,7 +26,7 @@ from ncgear.figures.advice import (
 )
 from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind, NotJudged, Remedy
 from ncgear.frozen import dataclass
-from ncgear.project.alternatives import is_given
+from ncgear.project.alternatives import is_accepted, is_given
 from ncgear.project.drive import Drive
 
 MEANS = ("motion", "gears")
@@ -142,6 +142,14 @@ CONDITIONS: dict[Kind, Condition] = {
         strength_advice.vibration,
         TEETH,
         strength_advice.rough_vibration,
+    ),
+    Kind.ROOM: Condition(
+        "room",
+        "gears of a row that do not mesh pass each other",
+        lambda drive: _gears(drive) and drive.gears.idlers is not None,
+        _of_teeth(Kind.ROOM),
+        TEETH,
+        of_pair=False,
     ),
     Kind.JAMS: Condition("assembly", "the gears can be put together and turn", _gears, _of_teeth(Kind.JAMS), TEETH),
     Kind.CONTACT_RATIO: Condition(
@@ -414,8 +422,15 @@ def _tried(drive: Drive, row: JudgedCondition, judge: Judge, seconds: float) -> 
 
 
 def _within_what_is_asked(advice: Advice, design: Design) -> Advice:
-    """The advice without remedies that undo what is asked of the machine; first changes that leave every given key."""
-    kept = [remedy for remedy in advice.remedies if not any(map(_is_asked, _overwritten(remedy, design)))]
+    """The advice without remedies that undo what is asked of the machine, or that its file may not have; first changes
+    that leave every given key.
+    """
+    kept = [
+        remedy
+        for remedy in advice.remedies
+        if not any(map(_is_asked, _overwritten(remedy, design)))
+        and is_accepted(design, {change.key: change.value for change in remedy.changes})
+    ]
     kept.sort(key=lambda remedy: not remedy.changes or bool(_overwritten(remedy, design)))
     return replace(advice, remedies=tuple(kept))
 
