@@ -33,6 +33,7 @@ from ncgear.strength.holding import Damage, Weakest, lives_of
 LOADS = {
     "masses": "the machine with its masses{jam}, at constant driving speed",
     "resistance": "the resistance{alone}: no masses are given, so forces of inertia are not counted",
+    "row": "the torque at the last gear; every mesh passes on its power",
     "jam": "a jam alone: nothing else that is given loads the teeth",
 }
 """The words for what a load follows from, without a jam beside it or with one."""
@@ -41,7 +42,9 @@ LOADS = {
 def load_words(drive: Drive, strength: Strength) -> str:
     """What the load of the teeth follows from."""
     jam = " and a jam" if drive.conditions.overload else ""
-    return LOADS[strength.load].format(jam=jam, alone=jam or " alone")
+    gears = drive.design.gears
+    by = "row" if strength.load == "resistance" and gears is not None and gears.idlers is not None else strength.load
+    return LOADS[by].format(jam=jam, alone=jam or " alone")
 
 
 METHODS = {

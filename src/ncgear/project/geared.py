@@ -560,7 +560,8 @@ class Geared(Moving):
         size, teeth = self.pitch.size, (self.pitch.size.driving_teeth, self.pitch.size.driven_teeth)
         width, toothed = self.gears.face_width_mm, self.pitch.toothed
         speed = self.machine.speed_rad_s * self.transmission.lobes.driving / self.pair.transmission.lobes.driving
-        found = Running(size.module_mm, teeth, width, speed, self.overlap_ratio)
+        mates = self.design.strength.mates if self.stage in (None, 1) else 1
+        found = Running(size.module_mm, teeth, width, speed, self.overlap_ratio, mates=mates)
         if toothed is None:
             return found
         ends = toothed.covered_rad, float(self.transmission.driven_angle(np.array([toothed.covered_rad])).value[0])

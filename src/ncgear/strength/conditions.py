@@ -19,7 +19,8 @@ class Running:
     ``teeth`` are the numbers of teeth of the driving and the driven gear, ``speed_rad_s`` the mean speed of the driving
     gear.  ``overlap_ratio`` is the advance of helical teeth over the face width in pitches, 0 of straight teeth.  Gears
     that turn less than once have ``around``, the pitches of a whole turn of either gear at its mean radius, and
-    ``stroke_rad``, the turn of the driving gear out and back; for other gears that is a whole turn.
+    ``stroke_rad``, the turn of the driving gear out and back; for other gears that is a whole turn.  The driving gear
+    has ``mates`` alike, which its teeth meet one after the other.
     """
 
     module_mm: float
@@ -29,6 +30,7 @@ class Running:
     overlap_ratio: float = 0.0
     around: tuple[float, float] | None = None
     stroke_rad: float = 2.0 * pi
+    mates: int = 1
 
     @property
     def whole(self) -> tuple[float, float]:
@@ -43,7 +45,7 @@ class Running:
     def meetings(self, life_h: float) -> Array:
         """Number of meetings of a flank of the driving and of the driven gear with a mate in ``life_h``, shape (2,)."""
         strokes = life_h * 3600.0 * self.speed_rad_s / self.stroke_rad
-        return strokes * np.array([1.0, 1.0 if self.around else self.teeth[0] / self.teeth[1]])
+        return strokes * np.array([self.mates, 1.0 if self.around else self.teeth[0] / self.teeth[1]])
 
 
 @dataclass(frozen=True)

@@ -82,8 +82,10 @@ def strength_of(
     """
     hours = cycle_rad / running.speed_rad_s / 3600.0
     driving, driven = (
-        _gear_strength(gear, contacts, stresses, materials[place], conditions.life_h, cycle_rad, hours, z, other)
-        for place, (gear, z, other) in enumerate(zip(Gear, running.teeth, elsewhere_mpa, strict=True))
+        _gear_strength(gear, contacts, stresses, materials[place], conditions.life_h, cycle_rad, each, z, other)
+        for place, (gear, z, other, each) in enumerate(
+            zip(Gear, running.teeth, elsewhere_mpa, (hours / running.mates, hours), strict=True)
+        )
     )
     end_rad = cycle_rad / 2.0 if running.around else cycle_rad
     return Strength(method, load, contacts, stresses, driving, driven, end_rad)

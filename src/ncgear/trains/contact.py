@@ -183,20 +183,13 @@ def distances_of(train: Train, outlines_mm: Mapping[str, Array]) -> list[Distanc
         for second in train.parts[number + 1 :]:
             if frozenset((first.name, second.name)) in meshing or not first.overlaps(second):
                 continue
-            one_body = _body(train, first) == _body(train, second)
+            one_body = train.body(first) == train.body(second)
             if one_body or first.rim_mm is not None or second.rim_mm is not None:
                 continue
             one = _distance(train, first, second, outlines_mm)
             if one is not None:
                 found.append(one)
     return found
-
-
-def _body(train: Train, part: Part) -> str:
-    names = {one.name for one in train.parts}
-    while part.fixed_to in names:
-        part = train.part(part.fixed_to)
-    return part.fixed_to or part.name
 
 
 def _distance(train: Train, first: Part, second: Part, outlines_mm: Mapping[str, Array]) -> Distance | None:

@@ -17,7 +17,7 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.plane import as_complex
 from ncgear.numerics.units import RAD_S_PER_RPM
-from ncgear.trains.train import Part, Train
+from ncgear.trains.train import Part, Poses, Train
 
 POSITIONS = 1440
 """Poses of a cycle: a quarter of a degree, so that a thirtieth harmonic has 48 poses."""
@@ -96,30 +96,51 @@ def body_of(part: Part, density_kg_m3: float, put: Sequence[PutMass] = ()) -> Ri
     return RigidBody(kg, center, about_origin - kg * abs(center) ** 2)
 
 
+@dataclass(frozen=True, eq=False)
+class _Moving:
+    """A part as a rigid body at evenly spaced driving angles, shape (n,), with derivatives by the driving angle."""
+
+    body: RigidBody
+    center: ComplexArray
+    velocity: ComplexArray
+    acceleration: ComplexArray
+    spin: Array
+    faster: Array
+
+
+def _moving(train: Train, poses: Poses, number: int, density_kg_m3: float, put: Sequence[PutMass]) -> _Moving:
+    """The part ``number``; poses are those at POSITIONS even driving angles and at the end of the cycle."""
+    part = train.parts[number]
+    body = body_of(part, density_kg_m3, [one for one in put if one.part == part.name])
+    place, turn = poses.places(number)
+    center = (place + body.center_mm * turn)[:-1]
+    turned = poses.angle_rad[number]
+    rate = float(turned[-1] - turned[0]) / train.cycle_rad
+    velocity, acceleration = (_derivative(center, order, train.cycle_rad) for order in (1, 2))
+    swing = (turned[:-1] - turned[0] - rate * _driving(train)).astype(complex)
+    spin, faster = (_derivative(swing, order, train.cycle_rad).real for order in (1, 2))
+    return _Moving(body, center, velocity, acceleration, spin + rate, faster)
+
+
+def _driving(train: Train) -> Array:
+    return np.linspace(0.0, train.cycle_rad, POSITIONS, endpoint=False)
+
+
 def loads_of(train: Train, density_kg_m3: float, put: Sequence[PutMass], gravity_mm_s2: complex) -> TrainLoads:
     """Loads of the driving part and the frame; ``gravity_mm_s2`` is a complex number in the ground's frame."""
-    speed = train.speed_rpm * RAD_S_PER_RPM
-    driving = np.linspace(0.0, train.cycle_rad, POSITIONS, endpoint=False)
+    speed, driving = train.speed_rpm * RAD_S_PER_RPM, _driving(train)
     poses = train.poses_at(np.append(driving, train.cycle_rad))
     axis = complex(*(float(values[train.number(train.driving), 0]) for values in (poses.x_mm, poses.y_mm)))
     torque, moment = np.zeros(POSITIONS), np.zeros(POSITIONS)
     force: ComplexArray = np.zeros(POSITIONS, dtype=complex)
     total = 0.0
-    for number, part in enumerate(train.parts):
-        body = body_of(part, density_kg_m3, [one for one in put if one.part == part.name])
-        place, turn = poses.places(number)
-        center = (place + body.center_mm * turn)[:-1]
-        turned = poses.angle_rad[number]
-        rate = float(turned[-1] - turned[0]) / train.cycle_rad
-        velocity, acceleration = (_derivative(center, order, train.cycle_rad) for order in (1, 2))
-        swing = turned[:-1] - turned[0] - rate * driving
-        spin = _derivative(swing.astype(complex), 1, train.cycle_rad).real + rate
-        faster = _derivative(swing.astype(complex), 2, train.cycle_rad).real
-        inertia = body.kg * acceleration * speed**2
-        work = ((inertia - body.kg * gravity_mm_s2).conj() * velocity).real + body.kg_mm2 * faster * speed**2 * spin
-        torque += work
+    for number in range(len(train.parts)):
+        one = _moving(train, poses, number, density_kg_m3, put)
+        body, inertia = one.body, one.body.kg * one.acceleration * speed**2
+        turning = body.kg_mm2 * one.faster * speed**2
+        torque += ((inertia - body.kg * gravity_mm_s2).conj() * one.velocity).real + turning * one.spin
         force -= inertia
-        moment -= ((center - axis).conj() * inertia).imag + body.kg_mm2 * faster * speed**2
+        moment -= ((one.center - axis).conj() * inertia).imag + turning
         total += body.kg
     carrier = poses.angle_rad[train.number(train.driving)]
     around = np.exp(1j * np.sign(carrier[-1] - carrier[0]) * driving)
@@ -129,6 +150,48 @@ def loads_of(train: Train, density_kg_m3: float, put: Sequence[PutMass], gravity
     return TrainLoads(
         driving, torque / MM_PER_M**2, force / MM_PER_M, moment / MM_PER_M**2, weight, left / MM_PER_M, total
     )
+
+
+@dataclass(frozen=True, eq=False)
+class TurningLoad:
+    """What a body needs about its axis, over evenly spaced driving angles of a cycle and its end, shape (n,) each.
+
+    ``turned_rad`` is its turn against the driving part from the first angle on, in its own sense, ``rate`` the
+    derivative by the driving angle.  ``torque_n_m`` in this sense makes it move as it does; of it, ``speeding_n_m``
+    speeds up the inertia ``kg_mm2`` about its axis.
+    """
+
+    turned_rad: Array
+    rate: Array
+    torque_n_m: Array
+    speeding_n_m: Array
+    kg_mm2: float
+
+
+def turning_load(
+    train: Train, name: str, density_kg_m3: float, put: Sequence[PutMass], gravity_mm_s2: complex
+) -> TurningLoad:
+    """The load of a part with all that is fixed to it about its axis, which may move (Newton and Euler)."""
+    speed = train.speed_rpm * RAD_S_PER_RPM
+    poses = train.poses_at(np.append(_driving(train), train.cycle_rad))
+    own, driving = train.number(name), train.number(train.driving)
+    axis = poses.places(own)[0][:-1]
+    moment, speeding, about_axis = np.zeros(POSITIONS), np.zeros(POSITIONS), 0.0
+    turns = _moving(train, poses, own, density_kg_m3, ()).spin - _moving(train, poses, driving, density_kg_m3, ()).spin
+    for number, part in enumerate(train.parts):
+        if train.body(part) != train.body(train.part(name)):
+            continue
+        one = _moving(train, poses, number, density_kg_m3, put)
+        body, arm = one.body, one.center - axis
+        kg_mm2 = body.kg_mm2 + body.kg * float(np.abs(arm[0])) ** 2
+        needed = body.kg * (one.acceleration * speed**2 - gravity_mm_s2)
+        moment += (arm.conj() * needed).imag + body.kg_mm2 * one.faster * speed**2
+        speeding += kg_mm2 * one.faster * speed**2
+        about_axis += kg_mm2
+    turned = poses.angle_rad[own] - poses.angle_rad[driving]
+    sense = float(np.sign(turned[-1] - turned[0]))
+    rate, torque, of_inertia = (sense * np.append(one, one[0]) for one in (turns, moment, speeding))
+    return TurningLoad(sense * (turned - turned[0]), rate, torque / MM_PER_M**2, of_inertia / MM_PER_M**2, about_axis)
 
 
 def _derivative(values: ComplexArray, order: int, period: float) -> ComplexArray:

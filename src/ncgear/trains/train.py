@@ -169,6 +169,13 @@ class Train:
         """A part by its name."""
         return self.parts[self.number(name)]
 
+    def body(self, part: Part) -> str:
+        """The body to which a part belongs: the name of the part, or GROUND, to which others are fixed."""
+        names = {one.name for one in self.parts}
+        while part.fixed_to in names:
+            part = self.part(part.fixed_to)
+        return part.fixed_to or part.name
+
     def trace_mm(self, trace: Trace, driving_rad: Array) -> Array:
         """Places of a followed point at driving angles in rad, shape (n,), as points of shape (n, 2)."""
         axis, turn = self.poses_at(driving_rad).places(self.number(trace.part))

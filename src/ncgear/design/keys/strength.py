@@ -154,6 +154,13 @@ class StrengthKeys(Model):
     life_strokes: float | None = optional(
         "life wanted in strokes of the slider out and back, instead of life_h", gt=0.0, le=1e13
     )
+    mates: int = optional(
+        "gears alike that each tooth of the driving gear meets in a turn with the load that is computed, as planets "
+        "around a sun, a whole number; counted in its life and wear",
+        1,
+        ge=1,
+        le=100,
+    )
     application_factor: Annotated[float, Field(ge=1.0, le=5.0)] = optional(
         "application factor K_A: what jolts add to the load that is computed. 1.0 where the computed course of the "
         "load is all; 1.25 to 1.75 for a motor or a machine with jolts beyond it",

@@ -82,8 +82,10 @@ def _as_machine(document: Document, text: str) -> tuple[Document, str]:
 
     Keys have their places in the train's file.
     """
-    file = _train_of(document).file
-    keys = file.train.machine()
+    loaded = _train_of(document)
+    file = loaded.file
+    with located(loaded.source):
+        keys = file.train.machine()
     if keys is None:
         return document, text
     data = {"name": file.name, "description": file.description, **keys}
@@ -110,8 +112,8 @@ def refuse_train(document: Document, needed: str) -> None:
     """Refuse the file of a train of gears if another file is needed; raises WrongInput with the commands that work."""
     if "train" in document.data:
         problem = (
-            "the file has a train of gears, which `ncgear check`, `build` and `animate` take, and a chain also "
-            f"`strength`, `tolerance` and `report`; this needs {needed}"
+            "the file has a train of gears, which `ncgear check`, `build` and `animate` take, and of chains and "
+            f"planetary trains also `strength`, `tolerance` and `report`; this needs {needed}"
         )
         raise WrongInput(problem, key="train", location=str(document.place("train")))
 

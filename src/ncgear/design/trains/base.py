@@ -11,7 +11,9 @@ from pydantic import Field
 
 from ncgear.design.keys.base import Length, Model, Speed, optional, required
 from ncgear.design.keys.gears import Rack
-from ncgear.design.keys.machine import CHORD_MM, COARSEST_IN_MODULES, Output
+from ncgear.design.keys.machine import CHORD_MM, COARSEST_IN_MODULES, Output, ShaftTorque
+from ncgear.design.keys.strength import StrengthKeys, WrittenMaterials
+from ncgear.design.keys.tolerances import AssemblyTolerances
 from ncgear.errors import WrongInput, renamed
 from ncgear.numerics.bounds import shown_below
 
@@ -76,6 +78,21 @@ class TrainKeys(Model):
         """The train of the keys of its kind; raises the errors of ``train``."""
 
 
+class RatedTrain(TrainKeys):
+    """A train whose gears are a machine by themselves, with what rates their teeth."""
+
+    resistance: ShaftTorque | None = optional(
+        "the torque against the last gear over its angle, for strength, tolerances and reports; left out: none"
+    )
+    strength: StrengthKeys = optional(
+        "running conditions and safeties of the teeth; left out: 20 000 h in oil", StrengthKeys
+    )
+    tolerances: AssemblyTolerances | None = optional(
+        "permissible deviations of gears and assembly, for ncgear tolerance; left out: grade 8 and more, which its "
+        "answer tells"
+    )
+
+
 class TrainGears(Model):
     """The teeth and the bodies of all gears of a train."""
 
@@ -108,3 +125,12 @@ class TrainGears(Model):
     def pressure_angle_rad(self) -> float:
         """The rack's larger pressure angle."""
         return radians(max(self.rack.angles_deg))
+
+
+class RatedGears(TrainGears):
+    """The teeth and the bodies of all gears of a train whose teeth are rated."""
+
+    material: WrittenMaterials | None = optional(
+        "material of all gears by its name in docs/materials.md, as 42CrMo4 or POM; left out: 42CrMo4 is assumed where "
+        "strength is computed"
+    )

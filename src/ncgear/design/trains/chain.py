@@ -9,10 +9,7 @@ from pydantic import Field
 
 from ncgear.design.keys.base import FORMULA, Expression, Faults, Length, Several, fault, optional, required
 from ncgear.design.keys.gears import MOST_IDLERS, Bend, Lobe
-from ncgear.design.keys.machine import ShaftTorque
-from ncgear.design.keys.strength import StrengthKeys, WrittenMaterials
-from ncgear.design.keys.tolerances import AssemblyTolerances
-from ncgear.design.trains.base import TrainGears, TrainKeys
+from ncgear.design.trains.base import RatedGears, RatedTrain
 from ncgear.errors import WrongInput, below, renamed
 
 if TYPE_CHECKING:
@@ -23,18 +20,14 @@ MOST_GEARS = 2 + MOST_IDLERS
 BENDS = "bends_deg"
 
 
-class ChainGears(TrainGears):
+class ChainGears(RatedGears):
     """The teeth and the bodies of all gears."""
 
     module_mm: Length = required("module in mm; the distances of the axes follow")
     teeth: int = required("teeth of the first gear, a whole number", ge=8, le=1000)
-    material: WrittenMaterials | None = optional(
-        "material of all gears by its name in docs/materials.md, as 42CrMo4 or POM; left out: 42CrMo4 is assumed where "
-        "strength is computed"
-    )
 
 
-class Chain(TrainKeys):
+class Chain(RatedTrain):
     """A row of gears."""
 
     KIND = "chain"
@@ -67,16 +60,6 @@ class Chain(TrainKeys):
         "place of a ratio; a circle about its axis makes all gears round"
     )
     gears: ChainGears = required("the teeth and the bodies of all gears")
-    resistance: ShaftTorque | None = optional(
-        "the torque against the last gear over its angle, for strength, tolerances and reports; left out: none"
-    )
-    strength: StrengthKeys = optional(
-        "running conditions and safeties of the teeth; left out: 20 000 h in oil", StrengthKeys
-    )
-    tolerances: AssemblyTolerances | None = optional(
-        "permissible deviations of gears and assembly, for ncgear tolerance; left out: grade 8 and more, which its "
-        "answer tells"
-    )
 
     def _both_flanks_of_idlers_push(self) -> Faults:
         pushing, idle = self.gears.rack.angles_deg

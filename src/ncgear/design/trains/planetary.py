@@ -4,20 +4,21 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import degrees, radians
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, Strict
 
 from ncgear.design.keys.base import Faults, Length, Model, Place, Several, fault, optional, required
-from ncgear.design.trains.base import TrainGears, TrainKeys
+from ncgear.design.trains.base import RatedGears, RatedTrain
 from ncgear.errors import WrongInput, below, renamed
 from ncgear.numerics.units import STANDARD_GRAVITY_M_S2
 
 if TYPE_CHECKING:
+    from ncgear.numerics.arrays import Array
     from ncgear.pitch.pair import PitchPair
     from ncgear.ratio.transmission import Transmission
     from ncgear.teeth.gear import ToothedPair
-    from ncgear.trains.loads import TrainLoads
+    from ncgear.trains.loads import PutMass
     from ncgear.trains.planetary import ArmChain
     from ncgear.trains.tip_path import TipMotion, WishedPath
     from ncgear.trains.train import Train
@@ -111,15 +112,20 @@ class TrainMasses(Model):
         "acceleration of gravity in m/s2, against y", STANDARD_GRAVITY_M_S2
     )
 
+    @property
+    def gravity(self) -> complex:
+        """Gravity in mm/s2 as a complex number."""
+        return -1j * MM_PER_M * self.gravity_m_s2
 
-class PlanetaryGears(TrainGears):
+
+class PlanetaryGears(RatedGears):
     """The teeth and the bodies of sun, idlers and planets."""
 
     teeth: int = required("teeth of every gear, a whole number", ge=8, le=1000)
     center_distance_mm: Length | None = optional("distance of the axes of each pair in mm, in place of module_mm")
 
 
-class Planetary(TrainKeys):
+class Planetary(RatedTrain):
     """Gears on a carrier."""
 
     KIND = "planetary"
@@ -128,7 +134,19 @@ class Planetary(TrainKeys):
         "one of ratio path",
         "at most one of path arm_mm",
         "at most one of gears.module_mm gears.center_distance_mm",
+        "at most one of resistance masses",
     )
+    WRITTEN_AS: ClassVar[dict[str, str]] = {
+        "operation.speed_rpm": "speed_rpm",
+        "motion": "ratio",
+        "motion.ratio": "ratio",
+        "gears.idlers": "idler",
+        "gears.idlers.bends_deg": "bend_deg",
+        "gears.driving.bore_mm": "gears.bore_mm",
+        "gears.driven.bore_mm": "gears.bore_mm",
+        "output.chord_tolerance_mm": "gears.chord_tolerance_mm",
+        "resistance": "masses",
+    }
 
     arms: int = optional("arms of the carrier, evenly spread, a whole number", 1, ge=1, le=6)
     idler: Literal["compound", "shared"] = optional(
@@ -183,16 +201,75 @@ class Planetary(TrainKeys):
         if self.sun_turns != 0.0:
             yield fault("sun_turns", "given, but the path is that of an arm about a sun that stands; leave it out")
 
+    def machine(self) -> dict[str, Any]:
+        """The gears of one arm on fixed axes, as the carrier sees them: two pairs in series, or a row of three gears.
+
+        Where masses are given, they and the weight of all that the planet carries turn about its axis as Newton and
+        Euler say; what is no moment of inertia there is a torque over the planet's angle.
+        """
+        path = self._sought()
+        made = self._train(*path)
+        given = self.model_dump(by_alias=True, exclude_unset=True)
+        motion: dict[str, Any] = {"law": "spline_ratio", "ratio": self._ratio(path[0]).tolist()}
+        kept = ("teeth", "module_mm", "center_distance_mm", "face_width_mm", "rack", "backlash_mm", "material")
+        gears = {key: given["gears"][key] for key in kept if key in given["gears"]}
+        if self.idler == "shared":
+            bends = {"bends_deg": [-self.bend_deg]} if self.bend_deg else {}
+            gears["idlers"] = {"lobes": [1], **bends}
+        else:
+            motion["second_stage"] = {"ratio": [one**0.5 for one in motion["ratio"]]}
+            if path[0] is not None and self.gears.module_mm is None:
+                raise WrongInput(
+                    "missing, so each mesh has its own module; both have one where commands rate them: give it, in the "
+                    "next larger size",
+                    key="train.gears.module_mm",
+                )
+        body = {"bore_mm": self.gears.bore_mm} if self.gears.bore_mm else {}
+        return {
+            "operation": {"speed_rpm": self.speed_rpm * (1.0 - self.sun_turns)},
+            "motion": motion,
+            "gears": gears | {"driving": body, "driven": body},
+            "output": {"chord_tolerance_mm": made.tolerance_mm},
+            **{key: given[key] for key in ("resistance", "tolerances") if given.get(key) is not None},
+            "strength": given.get("strength", {}) | {"mates": self.arms},
+            **({} if self.masses is None else self._turning(made, self.masses)),
+        }
+
+    def _turning(self, made: Train, masses: TrainMasses) -> dict[str, Any]:
+        """The load of the first planet as keys of a machine; in a row an idler's inertia counts as the planet's."""
+        from ncgear.trains.loads import turning_load
+
+        end = "_1" if self.arms > 1 else ""
+        put = masses.density_kg_m3, self._tools(made, masses), masses.gravity
+        sun, idler, planet = (turning_load(made, name, *put) for name in ("sun", f"idler{end}", f"planet{end}"))
+        torque, inertia = planet.torque_n_m - planet.speeding_n_m, {}
+        if self.idler == "shared":
+            torque = planet.torque_n_m + idler.speeding_n_m * idler.rate / planet.rate
+        else:
+            moments = sun.kg_mm2, idler.kg_mm2, planet.kg_mm2, 0.0
+            names = "driving_gear_kg_mm2", "shaft_between_kg_mm2", "driven_gear_kg_mm2", "shaft_kg_mm2"
+            inertia = {"masses": dict(zip(names, moments, strict=True))}
+        angles = [degrees(one) for one in planet.turned_rad[::TAKEN]]
+        table = {"angle_deg": [0.0, *angles[1:-1], 360.0], "torque_n_m": torque[::TAKEN].tolist()}
+        return {"resistance": {"table": table, "where_negative": "keep"}, **inertia}
+
     def _made(self) -> Train:
+        return self._train(*self._sought())
+
+    def _sought(self) -> tuple[TipMotion | None, WishedPath | None]:
+        """The motion of a path and the path; None each where the ratio is given."""
+        if self.path is None:
+            return None, None
+        with below("train"):
+            wished = self.path.wished()
+            return self._motion(self.path, wished), wished
+
+    def _train(self, motion: TipMotion | None, wished: WishedPath | None) -> Train:
         """The train of the keys; raises NoSuchMechanism if no such gears exist."""
+        from ncgear.trains.loads import loads_of
         from ncgear.trains.planetary import Arm, Bodies, Stand, arm_of, planetary_train, stand_of
         from ncgear.trains.planetary_told import told_of
 
-        motion, wished = None, None
-        if self.path is not None:
-            with below("train"):
-                wished = self.path.wished()
-                motion = self._motion(self.path, wished)
         with renamed("train.motion", "train.ratio" if self.path is None else "train.path"):
             pitches, chain = self._chain(motion)
         arm, stand = None, Stand()
@@ -204,17 +281,18 @@ class Planetary(TrainKeys):
         chord_mm = max(self.gears.chord_mm(pitch.size.module_mm) for pitch in pitches)
         made = planetary_train(chain, arm, self.arms, bodies, self.speed_rpm, chord_mm, self.sun_turns, stand)
         forward_mm_s = 0.0 if self.path is None else self.path.forward_mm_s
-        loads = None if self.masses is None else self._loads(made, self.masses)
+        masses, loads = self.masses, None
+        if masses is not None:
+            loads = loads_of(made, masses.density_kg_m3, self._tools(made, masses), masses.gravity)
         rack_rad = self.gears.pressure_angle_rad
         told = told_of(made, self.idler, pitches, rack_rad, wished, motion, forward_mm_s, loads)
         return replace(made, told=told)
 
-    def _loads(self, made: Train, masses: TrainMasses) -> TrainLoads:
-        from ncgear.trains.loads import PutMass, loads_of
+    @staticmethod
+    def _tools(made: Train, masses: TrainMasses) -> list[PutMass]:
+        from ncgear.trains.loads import PutMass
 
-        tools = [PutMass(trace.part, complex(*trace.at_mm), masses.tool_kg) for trace in made.traces]
-        gravity = -1j * MM_PER_M * masses.gravity_m_s2
-        return loads_of(made, masses.density_kg_m3, tools if masses.tool_kg else (), gravity)
+        return [PutMass(trace.part, complex(*trace.at_mm), masses.tool_kg) for trace in made.traces if masses.tool_kg]
 
     def _motion(self, path: TipPathKeys, wished: WishedPath) -> TipMotion:
         from ncgear.trains.path_search import PathLimits, found_motion
@@ -232,6 +310,12 @@ class Planetary(TrainKeys):
             limits = replace(limits, low=complex(*path.axis_from_mm), high=complex(*path.axis_to_mm))
         return found_motion(wished, limits, None if path.axis_mm is None else complex(*path.axis_mm))
 
+    def _ratio(self, motion: TipMotion | None) -> Array:
+        """The ratio at even angles of planet or idler, shape (n,)."""
+        import numpy as np
+
+        return np.array(self.ratio) if motion is None else motion.ratio(RATIOS)[1]
+
     def _chain(self, motion: TipMotion | None) -> tuple[tuple[PitchPair, ...], ArmChain]:
         """The pitch curves of each pair, and the chain with its teeth."""
         import numpy as np
@@ -240,7 +324,7 @@ class Planetary(TrainKeys):
         from ncgear.ratio.transmission import Lobes
         from ncgear.trains.planetary import compound_chain, shared_chain, straight_distances_mm
 
-        ratio = np.array(self.ratio) if motion is None else motion.ratio(RATIOS)[1]
+        ratio = self._ratio(motion)
         angles, gears = even_steps(ratio.size), self.gears
         if self.idler == "shared":
             pitch = self._pitch(spline_ratio_law(angles, ratio, Lobes()), gears.center_distance_mm)
@@ -272,6 +356,9 @@ MM_PER_M = 1000.0
 
 ROOM_MM = 2.0
 """Least distance in mm between two arms in the search."""
+
+TAKEN = 2
+"""Every second of the computed loads makes the table of a machine, which may have 1000 rows."""
 
 RATIOS = 120
 """Number of ratios in the law of a path: five for each wave of the highest harmonic, which are exact to 1e-6."""

@@ -1,0 +1,161 @@
+"""The gears of a planetary train as a machine by themselves, as the carrier sees them, in every command.
+
+The judges are the poses of the train, Newton's and Euler's equations of every body, and single round pairs.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+
+from at_once import at_once
+from drives import drive_of_text
+from ncgear.design.reading.design_file import load
+from ncgear.design.trains.planetary import Planetary
+from ncgear.errors import WrongInput
+from ncgear.pitch.shape import Gear
+from ncgear.project.drive import Drive
+from ncgear.project.strengthening import rating_of
+from ncgear.strength.conditions import Running
+from ncgear.strength.holding import Damage
+from train_cases import GEARS, UNEVEN, NewtonAndEuler, planetary
+
+MASSES = {"density_kg_m3": 7850.0, "tool_kg": 0.4}
+ARM = {"arm_mm": 90.0, "arm_deg": 25.0}
+
+
+def machine_of(folder: Path, **keys: Any) -> Drive:
+    """The drive of the file of a train."""
+    train = {"kind": "planetary", "speed_rpm": 60, "ratio": UNEVEN, "gears": GEARS, **keys}
+    place = folder / "train.yaml"
+    place.write_text(json.dumps({"name": "mine", "train": train}), encoding="utf-8")
+    return Drive(load(place).design)
+
+
+CHAINS: list[dict[str, Any]] = [
+    {"idler": "compound", "arms": 2},
+    {"idler": "shared", "bend_deg": 40.0},
+    {"idler": "shared", "bend_deg": -70.0, "sun_turns": -0.5},
+]
+
+
+@pytest.mark.thorough
+@at_once("keys", CHAINS)
+def test_the_last_gear_turns_as_the_planet_does_against_the_carrier(tmp_path: Path, keys: dict[str, Any]) -> None:
+    drive, train = machine_of(tmp_path, **keys), planetary(**keys)
+    driving = np.linspace(0.0, train.cycle_rad, 13)
+    poses, carrier = train.poses_at(driving), train.number("carrier")
+    planet = next(number for number, part in enumerate(train.parts) if part.name.startswith("planet"))
+    turned = poses.angle_rad[planet] - poses.angle_rad[carrier]
+    u = driving * 2.0 * np.pi / train.cycle_rad
+    assert drive.transmission.driven_angle(u).value == pytest.approx(turned[0] - turned, abs=1e-9)
+    sun = np.ptp(poses.angle_rad[0] - poses.angle_rad[carrier]) / train.cycle_rad
+    assert drive.machine.speed_rad_s == pytest.approx(sun * 2.0 * np.pi * train.speed_rpm / 60.0, rel=1e-12)
+
+
+@pytest.mark.thorough
+def test_the_gears_of_the_machine_are_those_of_the_train(tmp_path: Path) -> None:
+    """Both pairs of a compound idler, their outlines as areas, some seen from behind."""
+    drive, train = machine_of(tmp_path), planetary()
+    names = ("sun", "idler", "second_idler", "planet")
+    made = [gear for pair in drive.by_stage for gear in (pair.teeth.driving, pair.teeth.driven)]
+    for name, gear in zip(names, made, strict=True):
+        wanted = shapely.Polygon(train.part(name).outline_mm)
+        areas = [shapely.Polygon(gear.outline_mm * [1.0, side]) for side in (1.0, -1.0)]
+        assert min(wanted.symmetric_difference(area).area for area in areas) < 1e-9
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("speed_rpm", [20.0, 300.0])
+def test_each_mesh_bears_what_newton_and_euler_say(tmp_path: Path, speed_rpm: float) -> None:
+    """Slow, weights alone; fast, inertia too.  The idler's own weight beside its axis is left out, a hundredth."""
+    drive = machine_of(tmp_path, **ARM, arms=2, speed_rpm=speed_rpm, masses=MASSES)
+    train = replace(planetary(**ARM, arms=2), speed_rpm=speed_rpm)
+    first, second = drive.by_stage
+    u = np.linspace(0.0, 6.0, 9)
+    between = first.pair.transmission.driven_angle(u).value
+    found = np.array([second.tooth_load.torque_n_mm(between), -first.tooth_load.torque_n_mm(u)]) / 1000.0
+    wanted = -np.array([NewtonAndEuler(train, 7850.0, 0.4, float(one)).solved()[2] for one in u]).T
+    most = np.abs(wanted).max(axis=1)
+    assert found[0] == pytest.approx(wanted[0], abs=2e-4 * most[0])
+    assert found[1] == pytest.approx(wanted[1], abs=1e-2 * most[1])
+
+
+@pytest.mark.slow
+def test_the_sun_of_a_shared_idler_bears_what_newton_and_euler_say(tmp_path: Path) -> None:
+    """By virtual work in the frame of the carrier, from the moments of idler and planet about their axes."""
+    drive = machine_of(tmp_path, **ARM, idler="shared", bend_deg=40.0, masses=MASSES, speed_rpm=300.0)
+    train = replace(planetary(**ARM, idler="shared", bend_deg=40.0), speed_rpm=300.0)
+    u, wanted = np.linspace(0.0, 6.0, 9), []
+    for one in u:
+        judge = NewtonAndEuler(train, 7850.0, 0.4, float(one))
+        power = 0.0
+        for names in (["planet", "arm"], ["idler"]):
+            turns = judge.rates(judge.angle[names[0]] - judge.angle["carrier"])[0]
+            power += judge.load(names, judge.place[names[0]][2])[0] / 1e6 * turns
+        idler = judge.rates(judge.angle["idler"] - judge.angle["carrier"])[0]
+        wanted.append(power / idler)
+    first = drive.by_stage[0].tooth_load.torque_n_mm(u) / 1000.0
+    assert first == pytest.approx(np.array(wanted), abs=1e-2 * np.abs(wanted).max())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("idler", ["compound", "shared"])
+def test_round_gears_are_as_strong_as_a_single_pair(tmp_path: Path, idler: str) -> None:
+    """Equal gears, so the torque against the planet passes both meshes; the sun meets three idlers.
+
+    Teeth stand elsewhere than in the single pair, and so do the positions computed: stresses are 0.9 % off.
+    """
+    gears = {**GEARS, "teeth": 24, "backlash_mm": 0.0}
+    keys = {"idler": idler, "ratio": [1.0] * 4, "gears": gears, "resistance": {"polynomial_n_m": [6.0]}}
+    stages = machine_of(tmp_path, **keys, arms=3).by_stage
+    text = f"name: one\noperation: {{speed_rpm: 60}}\nmotion: {{law: uniform_crank}}\ngears: {json.dumps(gears)}\n"
+    single = drive_of_text(text + "resistance: {polynomial_n_m: [6]}\n")
+    thrice = drive_of_text(text + "resistance: {polynomial_n_m: [6]}\nstrength: {life_h: 60000}\n")
+    wanted, of_sun = ({(w.gear, w.damage): w for w in rating_of(one).weakest} for one in (single, thrice))
+    for place, stage in enumerate(stages):
+        for one in rating_of(stage).weakest:
+            if idler == "shared" and one.damage is Damage.BENDING and one.gear is list(Gear)[1 - place]:
+                assert 0.6 < one.safety / wanted[one.gear, one.damage].safety < 0.8
+                continue
+            by = of_sun if not place and one.gear is Gear.DRIVING else wanted
+            assert one.safety == pytest.approx(by[one.gear, one.damage].safety, rel=1e-2)
+    pitting = [rating_of(one).weakest[1] for one in (single, stages[0])]
+    assert all(one.damage is Damage.CONTACT and one.gear is Gear.DRIVING for one in pitting)
+    assert 0.0 < pitting[0].life_h < np.inf
+    assert pitting[1].life_h == pytest.approx(pitting[0].life_h / 3.0, rel=1e-2)
+
+
+def test_a_gear_with_several_mates_is_met_by_each() -> None:
+    alone = Running(2.0, (24, 48), 10.0, 4.0 * np.pi)
+    assert replace(alone, mates=3).meetings(10.0) == pytest.approx(alone.meetings(10.0) * [3.0, 1.0])
+
+
+@at_once(
+    ("keys", "said"),
+    [
+        ({"masses": MASSES, "resistance": {"polynomial_n_m": [1.0]}}, "resistance"),
+        ({"idler": "shared", "masses": {**MASSES, "tool_kg": 0.0}, "sun_turns": 0.5}, "masses"),
+    ],
+)
+def test_loads_that_do_not_go_together_are_refused(tmp_path: Path, keys: dict[str, Any], said: str) -> None:
+    with pytest.raises(WrongInput) as refused:
+        machine_of(tmp_path, **keys)
+    assert said in str(refused.value)
+
+
+def test_arms_do_not_change_the_load_of_the_first_one(tmp_path: Path) -> None:
+    """The keys of the machine but for the mates of the sun."""
+    keys = {"speed_rpm": 60.0, "ratio": UNEVEN, "gears": GEARS, **ARM, "masses": MASSES}
+    one, three = (Planetary.model_validate({**keys, "arms": arms}).machine() for arms in (1, 3))
+    assert one.pop("strength") == {"mates": 1}
+    assert three.pop("strength") == {"mates": 3}
+    table = one.pop("resistance")["table"]["torque_n_m"]
+    assert three.pop("resistance")["table"]["torque_n_m"] == pytest.approx(table, abs=1e-12)
+    assert one == three

@@ -1,0 +1,92 @@
+"""Planetary trains that several tests share, and Newton's and Euler's equations of all their bodies."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from ncgear.design.trains.planetary import Planetary
+from ncgear.trains.loads import PutMass, body_of
+from ncgear.trains.train import Train
+
+GEARS = {"teeth": 18, "module_mm": 2.0, "face_width_mm": 8.0, "backlash_mm": 0.05}
+UNEVEN = [1.3, 1.0, 0.8, 0.9, 1.0, 1.1]
+
+
+@cache
+def planetary(**keys: Any) -> Train:
+    ratio = list(keys.pop("ratio", UNEVEN))
+    return Planetary.model_validate({"speed_rpm": 60.0, "ratio": ratio, "gears": GEARS, **keys}).train()
+
+
+STEP_RAD = 2e-3
+
+
+class NewtonAndEuler:
+    """Torque of the carrier and force on the frame, from each body's own equations, with the forces in all joints.
+
+    Velocities and accelerations are differences of poses; the force between two gears acts in the pitch point, which
+    divides the line of their axes by their speeds against the carrier, at 20 deg to its perpendicular.
+    """
+
+    def __init__(self, train: Train, density: float, tool_kg: float, driving: float) -> None:
+        self.train, self.speed = train, train.speed_rpm * 2.0 * np.pi / 60.0
+        poses = train.poses_at(driving + STEP_RAD * np.arange(-2, 3))
+        self.place = {p.name: poses.x_mm[n] + 1j * poses.y_mm[n] for n, p in enumerate(train.parts)}
+        self.angle = {p.name: poses.angle_rad[n] for n, p in enumerate(train.parts)}
+        tools = [PutMass(t.part, complex(*t.at_mm), tool_kg) for t in train.traces]
+        self.bodies = {p.name: body_of(p, density, [t for t in tools if t.part == p.name]) for p in train.parts}
+
+    def rates(self, values: Any) -> tuple[Any, Any]:
+        """First and second derivative by time, of five values."""
+        a, b, c, d, e = values
+        first, second = (a - 8 * b + 8 * d - e) / 12, (-a + 16 * b - 30 * c + 16 * d - e) / 12
+        return first / STEP_RAD * self.speed, second / STEP_RAD**2 * self.speed**2
+
+    def load(self, names: list[str], pivot: complex) -> tuple[float, complex]:
+        """Moment about a pivot, and force, that bodies which are one need: mass times acceleration less weight."""
+        turning, force = 0.0, 0.0j
+        for name in names:
+            body = self.bodies[name]
+            center = self.place[name] + body.center_mm * np.exp(1j * self.angle[name])
+            one = body.kg * (self.rates(center)[1] + 9806.65j)
+            turning += ((center[2] - pivot).conjugate() * one).imag + body.kg_mm2 * self.rates(self.angle[name])[1]
+            force += one
+        return turning, force
+
+    def mesh(self, first: str, second: str, turning: float) -> tuple[complex, complex]:
+        """The force on the second gear that gives it a moment about its axis, and the pitch point."""
+        one, other = (self.rates(self.angle[name] - self.angle["carrier"])[0] for name in (first, second))
+        start, end = self.place[first][2], self.place[second][2]
+        point = start + (end - start) * other / (other - one)
+        way = 1j * np.exp(np.radians(20.0) * 1j) * (end - start) / abs(end - start)
+        return way * turning / ((point - end).conjugate() * way).imag, point
+
+    def solved(self) -> tuple[float, complex, list[float]]:
+        """Torque in N m, the force of inertia on the frame in N, and the moments of the meshes of the first arm in N m.
+
+        These act on planet and idler, counter-clockwise about their axes.
+        """
+        axis = self.place["carrier"][2]
+        torque = self.load(["carrier"], axis)[0]
+        moments: list[float] = []
+        for trace in self.train.traces:
+            end = trace.name.removeprefix("path")
+            sides = (
+                ([f"planet{end}", f"arm{end}"], f"second_idler{end}"),
+                ([f"idler{end}", f"second_idler{end}"], "sun"),
+            )
+            back, at = 0.0j, 0.0j
+            for names, driver in sides:
+                pivot = self.place[names[0]][2]
+                turning, force = self.load(names, pivot)
+                # What the gear before pushes, this body pushes back.
+                turning -= ((at - pivot).conjugate() * back).imag
+                moments.append(turning / 1e6)
+                pushed, point = self.mesh(driver, names[0], turning)
+                torque += ((pivot - axis).conjugate() * (force - back - pushed)).imag
+                back, at = -pushed, point
+        weights = 9806.65j * sum(body.kg for body in self.bodies.values())
+        return torque / 1e6, (weights - self.load([*self.bodies], axis)[1]) / 1e3, moments[:2]
