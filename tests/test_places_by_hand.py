@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 from math import pi
 from pathlib import Path
@@ -11,6 +12,7 @@ from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
+from scipy.sparse.linalg import splu
 from shapely import LinearRing, Point, Polygon, box, points
 
 from ncgear.cli.lookup import _into_settings
@@ -78,10 +80,10 @@ def test_a_studio_that_hangs_at_its_end_leaves_with_the_status_of_its_signal(
     """143 = 128 + 15, as a shell counts; Ctrl-C is no fault."""
     set_handlers: dict[int, Any] = {}
     left: list[int] = []
-    monkeypatch.setattr(server.signal, "signal", set_handlers.__setitem__)
-    monkeypatch.setattr(server.signal, "setitimer", lambda *_: None)
-    monkeypatch.setattr(server.os, "_exit", left.append)
-    monkeypatch.setattr(server.uvicorn.Server, "handle_exit", lambda *_: None)
+    monkeypatch.setattr(signal, "signal", set_handlers.__setitem__)
+    monkeypatch.setattr(signal, "setitimer", lambda *_: None)
+    monkeypatch.setattr(os, "_exit", left.append)
+    monkeypatch.setattr("uvicorn.Server.handle_exit", lambda *_: None)
     made = object.__new__(server._Server)
     made.handle_exit(sig, None)
     set_handlers[signal.SIGALRM]()
@@ -103,7 +105,7 @@ def test_the_settings_of_an_editor_are_written_below_its_folder(
 @pytest.mark.judges("strength")
 def test_displacements_that_do_not_balance_their_load_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     """A solver whose answer is leaves a force at one of all nodes."""
-    first = plane.splu
+    first: Any = splu
 
     def off(*given: Any, **options: Any) -> Any:
         right = first(*given, **options)
@@ -138,9 +140,11 @@ def test_normals_for_a_round_tool_lead_out_of_the_material(lobes: Lobes) -> None
     pair = toothed_pair(sized_pair(uniform_law(lobes), 24, 2.0, None, mesh), ToothForm(rack()), 0.005)
     for gear in (pair.driving, pair.driven):
         outline = _Outline(gear)
-        ring = Polygon(LinearRing(outline.at(np.arange(outline.kind.size * 8) / 8.0)[0]))
+        ring = Polygon(
+            LinearRing(outline.at(np.linspace(0.0, outline.kind.size, 8 * outline.kind.size, endpoint=False))[0])
+        )
         # Middles of curves, away from their edges
-        point, normal = outline.at(np.arange(outline.kind.size) + 0.5)
+        point, normal = outline.at(np.arange(0.5, outline.kind.size))
         for side, inside in ((2e-3, gear.flanks.curve.is_ring), (-2e-3, not gear.flanks.curve.is_ring)):
             assert (ring.contains(points(point + side * normal)) == inside).mean() > 0.9
 
@@ -192,7 +196,7 @@ def test_excess_of_metal_is_drawn_out_of_the_gear(monkeypatch: pytest.MonkeyPatc
     axes.add_collection = lambda lines, **_: drawn.append(lines)
     for name in ("_along_flanks", "_number"):
         monkeypatch.setattr(measured, name, lambda *_: [])
-    monkeypatch.setattr(measured.canvas, "area", lambda *_: None)
+    monkeypatch.setattr("ncgear.drawings.plots.canvas.area", lambda *_: None)
     measured._draw_gear(MagicMock(add_axes=lambda _: axes), one, 0.5)
     (right, upper) = drawn[0].get_segments()
     assert right == pytest.approx(np.array([[10.0, 0.0], [11.0, 0.0]]))
