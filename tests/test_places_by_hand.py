@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
+import os
 import signal
 from math import pi
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
+from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
-from shapely import LinearRing, Polygon, points
+from scipy.sparse.linalg import splu
+from shapely import LinearRing, Point, Polygon, box, points
 
 from ncgear.cli.lookup import _into_settings
 from ncgear.cli.progress import Lines
+from ncgear.drivetrain.shafts import STEELS, ShaftSection, shaft_safety
+from ncgear.dynamics.train_knocks import KnockingTrain
 from ncgear.errors import Unanswered
 from ncgear.figures.advice.law_advice import stretches_in_words
+from ncgear.files import measured
+from ncgear.files.read_back import flattened
+from ncgear.files.workshop.gear_drawing import bore_shape
 from ncgear.kinematics.motion import WIDENING, _about
 from ncgear.metrology.round_tool import _Outline
 from ncgear.numerics.sampled import HIGHER, Functions
@@ -23,6 +31,7 @@ from ncgear.pitch.pair import sized_pair
 from ncgear.pitch.shape import Mesh
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
+from ncgear.solids.plan.body import Bore, Keyway
 from ncgear.strength.elements import plane
 from ncgear.strength.elements.mesh import Topology
 from ncgear.studio import server
@@ -71,10 +80,10 @@ def test_a_studio_that_hangs_at_its_end_leaves_with_the_status_of_its_signal(
     """143 = 128 + 15, as a shell counts; Ctrl-C is no fault."""
     set_handlers: dict[int, Any] = {}
     left: list[int] = []
-    monkeypatch.setattr(server.signal, "signal", set_handlers.__setitem__)
-    monkeypatch.setattr(server.signal, "setitimer", lambda *_: None)
-    monkeypatch.setattr(server.os, "_exit", left.append)
-    monkeypatch.setattr(server.uvicorn.Server, "handle_exit", lambda *_: None)
+    monkeypatch.setattr(signal, "signal", set_handlers.__setitem__)
+    monkeypatch.setattr(signal, "setitimer", lambda *_: None)
+    monkeypatch.setattr(os, "_exit", left.append)
+    monkeypatch.setattr("uvicorn.Server.handle_exit", lambda *_: None)
     made = object.__new__(server._Server)
     made.handle_exit(sig, None)
     set_handlers[signal.SIGALRM]()
@@ -96,7 +105,7 @@ def test_the_settings_of_an_editor_are_written_below_its_folder(
 @pytest.mark.judges("strength")
 def test_displacements_that_do_not_balance_their_load_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     """A solver whose answer is leaves a force at one of all nodes."""
-    first = plane.splu
+    first: Any = splu
 
     def off(*given: Any, **options: Any) -> Any:
         right = first(*given, **options)
@@ -131,8 +140,64 @@ def test_normals_for_a_round_tool_lead_out_of_the_material(lobes: Lobes) -> None
     pair = toothed_pair(sized_pair(uniform_law(lobes), 24, 2.0, None, mesh), ToothForm(rack()), 0.005)
     for gear in (pair.driving, pair.driven):
         outline = _Outline(gear)
-        ring = Polygon(LinearRing(outline.at(np.arange(outline.kind.size * 8) / 8.0)[0]))
+        ring = Polygon(
+            LinearRing(outline.at(np.linspace(0.0, outline.kind.size, 8 * outline.kind.size, endpoint=False))[0])
+        )
         # Middles of curves, away from their edges
-        point, normal = outline.at(np.arange(outline.kind.size) + 0.5)
+        point, normal = outline.at(np.arange(0.5, outline.kind.size))
         for side, inside in ((2e-3, gear.flanks.curve.is_ring), (-2e-3, not gear.flanks.curve.is_ring)):
             assert (ring.contains(points(point + side * normal)) == inside).mean() > 0.9
+
+
+@pytest.mark.judges("drivetrain")
+def test_a_shafts_torsion_swings_about_the_middle_of_its_least_and_largest_torque() -> None:
+    """1 to 3 N m on a shaft of 20 mm: pi 20^3 / 16 = 1570.8 mm3, so 1.273 MPa about 1.273, and no bending."""
+    section = ShaftSection(20.0, 20.0, STEELS["C45"])
+
+    def borne(phi1: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        return 0j * phi1, 2000.0 - 1000.0 * np.cos(phi1), phi1
+
+    places = np.linspace(0.0, 2.0 * pi, 9)
+    found = shaft_safety(section, borne, places, np.zeros(1)).stresses
+    unit = 1000.0 / (pi * 20.0**3 / 16.0)
+    assert found.torsion_amplitude_mpa == pytest.approx(unit)
+    assert found.torsion_mean_mpa == pytest.approx(2.0 * unit)
+    assert found.bending_amplitude_mpa == 0.0
+
+
+@pytest.mark.judges("files")
+def test_a_drawn_bore_is_its_circle_and_keyway_to_the_drawn_width() -> None:
+    """30 mm with a keyway 8 wide and 3.3 deep: the circle's area, and beyond it a slot to x = 18.3, by shapely."""
+    drawn: Any = bore_shape(Bore(30.0, Keyway(8.0, 3.3)))
+    area = Polygon(flattened(drawn.points, drawn.bulges))
+    circle, slot = Point(0.0, 0.0).buffer(15.0, 4096), box(0.0, -4.0, 18.3, 4.0)
+    assert area.symmetric_difference(circle.union(slot)).area < 1e-3
+
+
+@pytest.mark.judges("dynamics")
+def test_two_bodies_swing_on_the_teeth_of_their_pairs() -> None:
+    """The shaft between turns at 3/2 rad/s, so that the ratio 0.5 asks for 0.75 of the crank, which does 6/4."""
+    train: Any = object.__new__(KnockingTrain)
+    object.__setattr__(train, "between", 2.0)
+    along: Any = Made(slope=np.array([0.5]), driven=np.array([4.0]), own=np.array([[1.0], [10.0]]))
+    assert train._momenta((0.0, 0.0, 3.0, 6.0), along, slice(None)) == pytest.approx([3.0, 10.0 * (1.5 - 0.75)])
+
+
+@pytest.mark.judges("files")
+def test_excess_of_metal_is_drawn_out_of_the_gear(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two points, 0.5 mm of excess and 0.25 mm missing, on a right and on an upper flank."""
+    foot, outwards = np.array([10.0 + 0j, 20j]), np.array([1.0 + 0j, 1j])
+    feet: Any = Made(foot=foot, outwards=outwards, distance_mm=np.array([0.5, -0.25]))
+    flanks = Made(rack=Made(module_mm=1.0), curve=Made(is_ring=False))
+    outline = Made(gear=Made(outline_mm=np.array([[-30.0, -30.0], [30.0, 30.0]]), flanks=flanks))
+    one: Any = Made(outline=outline, fit=Made(feet=Made(kept=lambda _: feet), counted=None))
+    drawn = list[Any]()
+    axes = MagicMock()
+    axes.add_collection = lambda lines, **_: drawn.append(lines)
+    for name in ("_along_flanks", "_number"):
+        monkeypatch.setattr(measured, name, lambda *_: [])
+    monkeypatch.setattr("ncgear.drawings.plots.canvas.area", lambda *_: None)
+    measured._draw_gear(MagicMock(add_axes=lambda _: axes), one, 0.5)
+    (right, upper) = drawn[0].get_segments()
+    assert right == pytest.approx(np.array([[10.0, 0.0], [11.0, 0.0]]))
+    assert upper == pytest.approx(np.array([[0.0, 20.0], [0.0, 19.5]]))
