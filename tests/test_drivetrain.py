@@ -40,6 +40,7 @@ from ncgear.drivetrain.pto import Excursion, running_ahead, slipping
 from ncgear.drivetrain.shafts import (
     STEELS,
     TEMPERED,
+    BentShaft,
     Borne,
     ShaftKey,
     ShaftSafety,
@@ -132,7 +133,7 @@ def test_published_example_of_a_shaft_with_a_keyway() -> None:
 
     def safety(share: float) -> ShaftSafety:
         borne = bent_by(lambda phi1: np.full(phi1.shape, share * 1402.294e3 + 0j), share * 1336.902e3)
-        return shaft_safety(section, borne, TURN, np.zeros(1))
+        return shaft_safety(section, BentShaft(borne, TURN, np.zeros(1)))
 
     assert safety(1.0).fatigue == pytest.approx(1.472, abs=5e-4)
     assert safety(1.8).yielding == pytest.approx(2.568, abs=5e-4)
@@ -142,14 +143,14 @@ def test_fibres_see_what_turns_against_them() -> None:
     """A force that stands still bends to and fro; one that turns with the shaft bends one way; a smaller shaft less."""
     standing = bent_by(lambda phi1: np.full(phi1.shape, 1e6 + 0j))
     section = ShaftSection(50.0, 50.0, STEELS["C45"])
-    still = shaft_safety(section, standing, TURN, np.zeros(1))
+    still = shaft_safety(section, BentShaft(standing, TURN, np.zeros(1)))
     stress = 1e6 / (pi * 50.0**3 / 32.0)
     assert still.stresses.bending_amplitude_mpa == pytest.approx(stress, rel=2e-6)
     assert still.stresses.bending_mean_mpa == pytest.approx(0.0, abs=2e-6 * stress)
-    along = shaft_safety(section, bent_by(lambda phi1: 1e6 * np.exp(1j * phi1)), TURN, np.zeros(1))
+    along = shaft_safety(section, BentShaft(bent_by(lambda phi1: 1e6 * np.exp(1j * phi1)), TURN, np.zeros(1)))
     assert along.stresses.bending_amplitude_mpa == pytest.approx(0.0, abs=1e-9 * stress)
     assert along.fatigue > 3.0 * still.fatigue
-    thinner = shaft_safety(ShaftSection(25.0, 50.0, STEELS["C45"]), standing, TURN, np.zeros(1))
+    thinner = shaft_safety(ShaftSection(25.0, 50.0, STEELS["C45"]), BentShaft(standing, TURN, np.zeros(1)))
     # Eight times the stress, but thin shafts endure more of it
     assert 7.0 < still.fatigue / thinner.fatigue < 8.0
 
@@ -158,8 +159,8 @@ def test_a_shaft_that_needs_two_turns_sees_both() -> None:
     """A pull once in two turns, half a turn on: the same fibre is pulled, then pressed, only if both are followed."""
     turned = np.linspace(0.0, pi, 361)
     section, pull = ShaftSection(50.0, 50.0, STEELS["C45"]), bent_by(lambda phi1: np.where(phi1 < 0.1, 1e6 + 0j, 0j))
-    once = shaft_safety(section, pull, turned, np.zeros(1))
-    both = shaft_safety(section, pull, turned, np.array([0.0, pi]))
+    once = shaft_safety(section, BentShaft(pull, turned, np.zeros(1)))
+    both = shaft_safety(section, BentShaft(pull, turned, np.array([0.0, pi])))
     assert both.stresses.bending_amplitude_mpa == pytest.approx(2.0 * once.stresses.bending_amplitude_mpa, rel=1e-6)
 
 
@@ -171,7 +172,7 @@ def test_the_worst_fibre_and_its_stresses_lie_between_places() -> None:
         # In the shaft's frame a circle about a point beside its axis
         return np.asarray(1e6 * np.exp(1j * phi1) * (np.exp(-1j * phi1) + 0.2 * np.exp(2.0j)))
 
-    found = shaft_safety(section, bent_by(moment), places, np.zeros(1)).stresses
+    found = shaft_safety(section, BentShaft(bent_by(moment), places, np.zeros(1))).stresses
     stress = 1e6 / (pi * 50.0**3 / 32.0)
     assert found.bending_amplitude_mpa == pytest.approx(stress, rel=2e-6)
     assert abs(found.bending_mean_mpa) == pytest.approx(0.2 * stress, rel=1e-5)

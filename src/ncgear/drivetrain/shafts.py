@@ -39,6 +39,7 @@ way, and the standard's method B, or a fit without play, is needed.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache, cached_property
 from math import inf, log10, pi, sqrt
 
 import numpy as np
@@ -147,32 +148,58 @@ Borne = Callable[[Array], tuple[ComplexArray, Array, Array]]
 and the angle in rad that the shaft has turned, shape (n,) each."""
 
 
-def shaft_safety(section: ShaftSection, borne: Borne, places_rad: Array, cycles_rad: Array) -> ShaftSafety:
-    """The safety of a shaft by its loads over one cycle.
+@dataclass(frozen=True, eq=False)
+class BentShaft:
+    """The moments that a shaft bears over one cycle, whatever its diameter.
 
     ``places_rad`` (shape (n,), rising) are driving angles from the beginning of the cycle to its end, among them the
     angles of the largest moment and of the least and the largest torque.  ``cycles_rad`` (shape (k,)) are the angles
     that the shaft has turned at the beginning of the cycles after which it stands as at first, k of them.
     """
+
+    borne: Borne
+    places_rad: Array
+    cycles_rad: Array
+
+    @cached_property
+    def known(self) -> tuple[ComplexArray, Array]:
+        """Bending moment and torque at the places."""
+        return self.borne(self.places_rad)[:2]
+
+    @cached_property
+    def alternating(self) -> Callable[[tuple[float, ...]], tuple[Array, Array]]:
+        """Function of fibres' angles: amplitude and mean of the moment that each sees over all cycles, shape (f,)."""
+        borne, places, missed = self.borne, self.places_rad, KNOWN * float(np.abs(self.known[0]).max())
+
+        @cache
+        def found(fibres: tuple[float, ...]) -> tuple[Array, Array]:
+            fibre_rad = np.array(fibres)
+
+            def seen(phi1: Array) -> Array:
+                moment, _, turned = borne(phi1)
+                turning = moment * np.exp(-1j * (turned + self.cycles_rad[:, None, None]))
+                along = np.real(turning * np.exp(1j * fibre_rad)[:, None])
+                return np.stack([along, -along]).reshape(-1, phi1.size)
+
+            at_places = seen(places)
+            ends = largest_from(seen, places, at_places, np.full(len(at_places), missed))
+            every = np.array([one.value for one in ends]).reshape(2, self.cycles_rad.size, fibre_rad.size)
+            high, low = every.max(axis=1)
+            return (high + low) / 2.0, (high - low) / 2.0
+
+        return found
+
+
+def shaft_safety(section: ShaftSection, shaft: BentShaft) -> ShaftSafety:
+    """The safety of a shaft of one section."""
     resistance_mm3 = pi * section.diameter_mm**3 / 32.0
-    moment, torque, _ = borne(places_rad)
-    bending, torsion = moment / resistance_mm3, torque / (2.0 * resistance_mm3)
+    bending, torsion = shaft.known[0] / resistance_mm3, shaft.known[1] / (2.0 * resistance_mm3)
     largest = float(np.abs(bending).max()), float(np.abs(torsion).max())
     torsion_amplitude, torsion_mean = float(np.ptp(torsion)) / 2.0, float(torsion.max() + torsion.min()) / 2.0
 
     def alternating(fibre_rad: Array) -> tuple[Array, Array]:
-        """Amplitude and mean of the bending stress that fibres see over all cycles, shape (f,) each."""
-
-        def seen(phi1: Array) -> Array:
-            moment, _, turned = borne(phi1)
-            turning = moment / resistance_mm3 * np.exp(-1j * (turned + cycles_rad[:, None, None]))
-            stress = np.real(turning * np.exp(1j * fibre_rad)[:, None])
-            return np.stack([stress, -stress]).reshape(-1, phi1.size)
-
-        known = seen(places_rad)
-        found = largest_from(seen, places_rad, known, np.full(len(known), KNOWN * largest[0]))
-        high, low = np.array([one.value for one in found]).reshape(2, cycles_rad.size, fibre_rad.size).max(axis=1)
-        return (high + low) / 2.0, (high - low) / 2.0
+        amplitude, mean = shaft.alternating(tuple(fibre_rad.tolist()))
+        return amplitude / resistance_mm3, mean / resistance_mm3
 
     def used(fibre_rad: Array) -> Array:
         return _fatigue_used(section, *alternating(fibre_rad), torsion_amplitude, torsion_mean)[None]

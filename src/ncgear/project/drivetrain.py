@@ -30,6 +30,7 @@ from ncgear.drivetrain.shafts import (
     FREE_HEIGHT_MM,
     LEAST_SAFETY,
     STEELS,
+    BentShaft,
     KeySafety,
     ShaftKey,
     ShaftSafety,
@@ -248,9 +249,11 @@ def _shaft_of(
         at = shaft_loads(cycle, gear, phi1)
         return bending_moment_n_mm(at, bearings, crank_at_mm, 0.0), at.torque_n_mm, at.turned_rad
 
+    shaft = BentShaft(borne, places, _cycles_rad(gear, cycle))
+
     def of_diameter(diameter_mm: float) -> ShaftSafety:
         thick = ShaftSection(diameter_mm, max(diameter_mm, section.blank_mm), steel)
-        return shaft_safety(thick, borne, places, _cycles_rad(gear, cycle))
+        return shaft_safety(thick, shaft)
 
     safety, key = of_diameter(diameter), _key(design, gear, given, section, loads.torque_n_mm)
     return ShaftResult(lives, bent, safety, key, _thick_enough_mm(of_diameter, diameter, safety))

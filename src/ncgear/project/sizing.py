@@ -17,6 +17,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from enum import Enum, auto
+from functools import cached_property
 from math import ceil, inf, log
 
 import numpy as np
@@ -129,7 +130,7 @@ class Sized:
     drive: Drive
     rating: Rating
 
-    @property
+    @cached_property
     def flank_share(self) -> float:
         """The least ratio of the flanks' safety to the wanted safety, against scuffing and wear."""
         return self.drive.surfaces_by(self.rating.strength.method).share
@@ -144,12 +145,12 @@ class Sized:
         """Whether teeth and flanks have the wanted safety."""
         return self.rating.holds and self.flank_share >= 1.0
 
-    @property
+    @cached_property
     def teeth(self) -> int:
         """Teeth of the driving gear."""
         return self.drive.pitch.size.driving_teeth
 
-    @property
+    @cached_property
     def module_mm(self) -> float:
         """The module."""
         return self.drive.pitch.size.module_mm
@@ -164,7 +165,7 @@ class Sized:
         """Square of the centre distance times the face width, a measure of the volume of gears of one shape."""
         return self.drive.pitch.center_distance_mm**2 * self.face_width_mm
 
-    @property
+    @cached_property
     def diameter_mm(self) -> float:
         """Largest diameter of either gear about its axis."""
         return 2.0 * max(self.drive.outer_radii_mm.values())

@@ -26,7 +26,6 @@ stiffness, and K_V is 1 plus the part of the deviations: K_V minus K_V without d
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from math import cos
 
 import numpy as np
@@ -160,21 +159,26 @@ class Vibration:
         """
         if conditions.dynamic_factor is not None or mesh is None:
             return np.full(force_n.shape, conditions.dynamic_factor or 1.0)
-        (found,) = self.factors_at_speeds(phi1_rad, force_n, mesh, conditions.application_factor, np.ones(1))
-        if not followed:
-            return np.asarray(found)
-        return 1.0 + found - replace(self, deviations_mm=(0.0, 0.0)).factors(phi1_rad, force_n, mesh, conditions)
+        overlap, state = self.running.overlap_ratio, self._state(phi1_rad, force_n, mesh, conditions.application_factor)
+        found = dynamic_factor(*state, self.deviations_mm, overlap)
+        return found if not followed else 1.0 + found - dynamic_factor(*state, (0.0, 0.0), overlap)
 
     def factors_at_speeds(
         self, phi1_rad: Array, force_n: Array, mesh: MeshStiffness, application_factor: float, faster: Array
     ) -> Array:
         """K_V, shape (s, n), under the same forces at multiples of the speed, shape (s,)."""
+        resonance, *state = self._state(phi1_rad, force_n, mesh, application_factor)
+        return dynamic_factor(faster[:, None] * resonance, *state, self.deviations_mm, self.running.overlap_ratio)
+
+    def _state(
+        self, phi1_rad: Array, force_n: Array, mesh: MeshStiffness, application_factor: float
+    ) -> tuple[Array, Array, Array, Array]:
+        """The first four arguments of ``dynamic_factor``, shape (n,) each."""
         stiffness, ratio = mesh.at(phi1_rad)
         width = self.running.face_width_mm
         line = np.abs(force_n) * (application_factor * cos(self.rack_angle_rad) / width)
         line = np.maximum(line, np.finfo(float).tiny)
-        resonance = faster[:, None] * self.resonance(phi1_rad, mesh)
-        return dynamic_factor(resonance, line, stiffness / width, ratio, self.deviations_mm, self.running.overlap_ratio)
+        return self.resonance(phi1_rad, mesh), line, stiffness / width, ratio
 
     def of_contacts(
         self, contacts: LoadedContacts, mesh: MeshStiffness | None, conditions: Conditions, followed: bool = False
