@@ -17,7 +17,9 @@ than the search has.  The flywheel may have any size of a range.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import Any
+from functools import partial
 from math import cos, inf, pi, sin
 
 import numpy as np
@@ -47,10 +49,6 @@ LEVELS, ROUNDS = 13, 3
 LOWERED, STEPS_DOWN = 0.998, 20
 """Ratio by which the curve is lowered where no slope is possible, and most such steps at a place of a sweep."""
 
-RESOLVED = 0.1
-"""Most change of a slope over a cell, as a share of q, for which the slopes at three places tell where a curve ends.
-The loads of light machines change slopes faster; a motion then follows its equilibrium, and cells tell nothing."""
-
 NEARBY = 1e-6
 """Share of q between two slopes that tell how fast a slope changes with q."""
 
@@ -59,6 +57,22 @@ ROUNDING = 1e-7
 
 STANDING = 1e-7
 """Way for an angle of the crank, as a share of the stroke, under which the place counts as a dead centre."""
+
+
+SHARES = np.array([[0.0], [0.5], [1.0]])
+"""The same places as shares of a cell from the end where a sweep enters it."""
+
+Place = Any
+"""Index of cells and their places in arrays (n, 3)."""
+
+Line = tuple[Array, Array, Array]
+"""Lines of a cell: the start, infinite where there is none, the end, and the steepest slope, (k,) each."""
+
+LOOSE = 1e-4
+"""Share of q that a cell may add to a curve before lines are tried in its place."""
+
+Limit = Callable[[Place, Array], tuple[Array, Array]]
+"""What a limit leaves at places for values of q, and its shares of q' with both ends of the flywheel's range."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,14 +137,21 @@ class Sweeps:
         """Whether a motion may keep the limits, shape (k,): False is certain."""
         with np.errstate(all="ignore"):
             curve = self._begun(limits)
-            lines = np.full((2, self.step.size, limits.count), inf)
+            kinds = self._limits(limits)
+            resting = {way: [self._resting(one, way, limits.count) for one in kinds] for way in (1, -1)}
+            lines = np.empty((2, 2, self.step.size, limits.count))
+            lines[:, 0], lines[:, 1] = self._cap, 0.0
             for _ in range(TURNS):
                 before = curve.copy()
-                self._forwards(limits, curve, lines[0])
-                self._backwards(limits, curve, lines[1])
+                for way in (1, -1):
+                    self._sweep(limits, way, curve, lines[max(-way, 0)], resting[way])
                 if np.max(before - curve) < SETTLED:
                     break
             return self._has_time(limits, curve, lines)
+
+    @property
+    def _cap(self) -> float:
+        return float(1.0 / self.asked.ratio_min**2)
 
     @property
     def _floor(self) -> float:
@@ -139,7 +160,7 @@ class Sweeps:
     def _begun(self, limits: SweptLimits) -> Array:
         """The greatest q at the ends of cells before any sweep, shape (n + 1, k)."""
         speed, asked, known = self.task.speed_rad_s, self.asked, self.known
-        fastest = np.full(self.step.size + 1, 1.0 / asked.ratio_min**2)
+        fastest = np.full(self.step.size + 1, self._cap)
         way = np.abs(np.append(known.first[:, 0], known.first[-1, 2]))
         bend = np.abs(np.append(known.second[:, 0], known.second[-1, 2]))
         if asked.speed_mm_s < inf:
@@ -152,110 +173,187 @@ class Sweeps:
         beside = np.minimum(np.vstack([highest, highest[-1:]]), np.vstack([highest[:1], highest]))
         return np.asarray(np.minimum(fastest[:, None], beside))
 
-    def _forwards(self, limits: SweptLimits, curve: Array, lines: Array) -> None:
-        for cell in range(self.step.size):
-            self._lower(limits, (cell, 0), curve[cell])
-            end, lines[cell] = self._barrier(limits, cell, curve[cell], (0, 2), 1)
-            curve[cell + 1] = np.minimum(curve[cell + 1], end)
+    def _sweep(self, limits: SweptLimits, way: int, curve: Array, lines: Array, resting: list[Array]) -> None:
+        """Lower a curve from cell to cell, forwards (``way`` 1) or backwards (-1); ``lines`` are the barriers, (2, n, k).
+
+        A line has the value at the end of the cell from which it comes, and its slope.
+        """
+        kinds = self._limits(limits)
+        for cell in range(self.step.size)[::way]:
+            here, there = (cell, cell + 1)[::way]
+            step = way * self.step[cell]
+            self._lower(limits, (cell, 1 - way), curve[here])
+            q = curve[here]
+            line, loose = self._parabola(limits, kinds, cell, q, way)
+            for number, kind in enumerate(kinds):
+                level, steady = resting[number][:, cell]
+                line = _lower_of(line, (np.where(q <= level, level, inf), level + step * steady, steady))
+                above = loose & (q > level) & (level + step * steady < line[1])
+                if above.any():
+                    line = _lower_of(line, self._falling(kind, cell, q, level + step * steady, way))
+            start, end, slope = line
+            bounded = start < inf
+            lines[0, cell] = np.where(bounded, start, self._cap)
+            lines[1, cell] = np.where(bounded, slope, 0.0)
+            curve[there] = np.where(bounded, np.minimum(curve[there], end), curve[there])
         curve[0] = curve[-1] = np.minimum(curve[0], curve[-1])
 
-    def _backwards(self, limits: SweptLimits, curve: Array, lines: Array) -> None:
-        for cell in range(self.step.size - 1, -1, -1):
-            self._lower(limits, (cell, 2), curve[cell + 1])
-            end, lines[cell] = self._barrier(limits, cell, curve[cell + 1], (2, 0), 0)
-            curve[cell] = np.minimum(curve[cell], end)
-        curve[0] = curve[-1] = np.minimum(curve[0], curve[-1])
-
-    def _lower(self, limits: SweptLimits, at: tuple[int, int], q: Array) -> None:
+    def _lower(self, limits: SweptLimits, at: Place, q: Array) -> None:
         """Lower the curve at a place as long as no slope is possible there."""
+        stuck = self._stuck(limits, at, q)
         for _ in range(STEPS_DOWN):
-            least, most = self.slopes(limits, at, q)
-            above = np.where(np.isfinite(most), most + ROUNDING * np.abs(most), most)
-            stuck = (least > above) & (q > 0.5 * self._floor)
             if not stuck.any():
                 return
+            # Between two values without a possible slope there is none
+            stuck &= self._stuck(limits, at, LOWERED * q)
             q[stuck] *= LOWERED
 
-    def _barrier(
-        self, limits: SweptLimits, cell: int, q: Array, nodes: tuple[int, int], most: int
-    ) -> tuple[Array, Array]:
-        """The value at the other end of a cell that no motion passes, and the steepest slope towards it, or infinity.
+    def _stuck(self, limits: SweptLimits, at: Place, q: Array) -> Array:
+        least, most = self.slopes(limits, at, q)
+        above = np.where(np.isfinite(most), most + ROUNDING * np.abs(most), most)
+        return np.asarray((least > above) & (q > 0.5 * self._floor))
 
-        ``most`` is 1 for the greatest slope, forwards, and 0 for the least, backwards.
+    def _parabola(
+        self, limits: SweptLimits, kinds: Sequence[Limit], cell: int, q: Array, way: int
+    ) -> tuple[Line, Array]:
+        """A barrier of nearly the steepest slopes, and whether lines may be tighter."""
+        at = cell, slice(None, None, way)
+        step, most = way * self.step[cell], max(way, 0)
+        slope = self.slopes(limits, at, np.repeat(q[None], 3, axis=0))[most]
+        for _ in range(3):
+            slopes = slope[0] + (slope[2] - slope[0]) * SHARES
+            slope = self.slopes(limits, at, _along(q, step, slopes))[most]
+        room = 2.5 * np.abs(slope[1] - (slope[0] + slope[2]) / 2.0) + ROUNDING
+        slopes = slope[0] + way * room + (slope[2] - slope[0]) * SHARES
+        curve = _along(q, step, slopes)
+        most_now = self.slopes(limits, at, curve)[most]
+        kept = _greatest(way * (most_now - slopes)) <= 0.0
+        for kind in kinds:
+            kept |= self._passed(kind, at, curve, slopes, way)
+        loose = ~kept | (room * abs(step) > LOOSE * q)
+        return (np.where(kept, q, inf), curve[2], way * np.maximum(way * slopes[0], way * slopes[2])), loose
+
+    def _passed(self, kind: Limit, at: Place, q: Array, slope: Array, way: int) -> Array:
+        """Whether a limit lets no motion pass a line upwards, by values at three places, (3, ..., k) each."""
+        spare, share = kind(at, q)
+        excess = np.maximum(spare - share[0] * slope, spare - share[1] * slope)
+        return np.asarray((_greatest(excess) <= 0.0) & np.all(way * share >= 0.0, axis=(0, 1)))
+
+    def _resting(self, kind: Limit, way: int, count: int) -> Array:
+        """Lines near which motions at a limit go on, however light the machine: starts, or infinity, and slopes, (2, n, k).
+
+        A motion below its start in a cell does not pass it.
         """
-        here, there = nodes
-        step = self.step[cell] if most else -self.step[cell]
-        sign = 1.0 if most else -1.0
-        first = self.slopes(limits, (cell, here), q)[most]
-        last = first
+        at = np.s_[np.arange(self.step.size), np.arange(3)[::way, None]]
+        step = way * self.step[:, None]
+        slope = np.zeros((self.step.size, count))
+        level = self._level(kind, at, slope)
+        slope = (level[2] - level[0]) / step
+        level = self._level(kind, at, slope) - SHARES[..., None] * step * slope
+        start = _greatest(level) * (1.0 + ROUNDING)
+        passed = self._passed(kind, at, start + SHARES[..., None] * step * slope, np.repeat(slope[None], 3, axis=0), way)
+        return np.stack([np.where(passed, start, inf), np.where(passed, slope, 0.0)])
+
+    def _level(self, kind: Limit, at: Place, slope: Array) -> Array:
+        """The greatest q from which a limit stops a slope, up to the greatest q, (3, n, k)."""
+
+        def excess(q: Array) -> Array:
+            spare, share = kind(at, q)
+            return np.maximum(spare - share[0] * slope, spare - share[1] * slope)
+
+        shape = (3, *slope.shape)
+        high, low = np.full(shape, self._cap), np.full(shape, self._floor)
+        found = excess(high) <= 0.0
+        above, below = excess(high), np.full(shape, np.nan)
+        going = found.copy()
+        for q in np.geomspace(self._cap, self._floor, 12)[1:]:
+            value = excess(np.full(shape, q))
+            stops = going & (value > 0.0)
+            low[stops], below[stops] = q, value[stops]
+            going &= ~stops
+            high[going], above[going] = q, value[going]
+        # Below the floor no motion is possible
+        low[going] = high[going]
+        return np.where(found, _root(excess, low, high, below, above), np.nan)
+
+    def _falling(self, kind: Limit, cell: int, q: Array, resting: Array, way: int) -> Line:
+        """A line from above the motions at a limit towards them: its start, or infinity, and its slope, (k,) each."""
+        at, end = (cell, slice(None, None, way)), (cell, 1 + way)
+        step = way * self.step[cell]
+
+        def excess(other: Array) -> Array:
+            spare, share = kind(end, other)
+            slope = (other - q) / step
+            return np.maximum(spare - share[0] * slope, spare - share[1] * slope)
+
+        low = np.where(resting < q, resting, self._floor)
+        slope = (_root(excess, low, q.copy(), excess(low), excess(q)) - q) / step
+        start = q
         for _ in range(2):
-            other = np.maximum(q + step * (first + last) / 2.0, 1e-9)
-            last = self.slopes(limits, (cell, there), other)[most]
-        middle = self.slopes(limits, (cell, 1), np.maximum(q + step * (3.0 * first + last) / 8.0, 1e-9))[most]
-        room = 2.0 * np.abs(middle - (first + last) / 2.0) + ROUNDING
-        end = q + step * ((first + last) / 2.0 + sign * room)
-        line = (np.maximum if most else np.minimum)(first, last) + sign * room
-        bounded = np.isfinite(end) & self._resolved(limits, (cell, here), q, first, most)
-        bounded &= self._resolved(limits, (cell, there), other, last, most)
-        return np.where(bounded, end, inf), np.where(bounded, line, sign * inf)
+            lines = [one + SHARES * step * slope for one in (start, start * (1.0 + NEARBY))]
+            below, above = (self._excess(kind, at, one, slope) for one in lines)
+            start = start + 1.1 * np.maximum(_greatest(below / (below - above)), 0.0) * NEARBY * start
+        passed = self._passed(kind, at, start + SHARES * step * slope, np.repeat(slope[None], 3, axis=0), way)
+        return np.where(passed, start, inf), start + step * slope, slope
 
-    def _resolved(self, limits: SweptLimits, at: tuple[int, int], q: Array, slope: Array, most: int) -> Array:
-        """Whether the slope follows from no load of masses, or changes so slowly that a cell's places tell it, (k,)."""
-        if self.task.masses is None:
-            return np.ones(q.shape, dtype=bool)
-        own, beside = (self.slopes_by_loads(limits, at, one)[most] for one in (q, q * (1.0 + NEARBY)))
-        changes = np.abs(beside - own) * self.step[at[0]]
-        return np.asarray(~np.isfinite(own) | (own != slope) | (changes <= RESOLVED * NEARBY * q))
+    def _excess(self, kind: Limit, at: Place, q: Array, slope: Array) -> Array:
+        spare, share = kind(at, q)
+        return np.maximum(spare - share[0] * slope, spare - share[1] * slope)
 
-    def slopes(self, limits: SweptLimits, at: tuple[int, int], q: Array) -> tuple[Array, Array]:
-        """The least and the greatest q' that all limits allow at a place of a cell, (k,); crossed without any."""
-        asked, speed, known = self.asked, self.task.speed_rad_s, self.known
+    def slopes(self, limits: SweptLimits, at: Place, q: Array) -> tuple[Array, Array]:
+        """The least and the greatest q' that all limits allow at places of cells, (..., k); crossed without any."""
+        asked = self.asked
         most = 2.0 * asked.steepness * (q + np.sqrt(q)) if asked.steepness < inf else np.full(q.shape, inf)
         least = -most
-        if asked.acceleration_mm_s2 < inf:
-            first, bend = float(known.first[at]), float(known.second[at])
-            if abs(first) > STANDING * self.task.linkage.stroke_mm:
-                peak = (1.0 + ROUNDING) * asked.acceleration_mm_s2 / speed**2
-                ends = 2.0 * (peak - bend * q) / first, 2.0 * (-peak - bend * q) / first
-                least, most = np.maximum(least, np.minimum(*ends)), np.minimum(most, np.maximum(*ends))
-        lower, upper = self.slopes_by_loads(limits, at, q)
-        return np.maximum(least, lower), np.minimum(most, upper)
-
-    def slopes_by_loads(self, limits: SweptLimits, at: tuple[int, int], q: Array) -> tuple[Array, Array]:
-        """The same that power, braking power and flank load allow, (k,) each."""
-        asked, speed, known = self.asked, self.task.speed_rad_s, self.known
-        s, least = np.sqrt(q), np.full(q.shape, -inf)
-        torque = known.static[at] + speed**2 * known.by_q[at] * q
-        # Each bound takes the size of the flywheel's range that bounds least
-        half = speed**2 * (known.by_rate[at] + 1e-3 * limits.flywheel_kg_mm2) / 2.0
-        massless = half[1] <= 0.0
-        spare = 1000.0 * limits.power_w / (speed * s) - torque
-        # Without masses the power is a limit of q, which cells have
-        most = np.where(massless, inf, _over(spare, half))
-        if asked.braking_w < inf:
-            spare = 1000.0 * asked.braking_w / (speed * s) + torque
-            least = np.where(massless, -inf, -_over(spare, half))
-        if not np.isfinite(limits.flank_load_n_mm).any():
-            return least, most
-        for sign, angle in zip((1.0, -1.0), self.angles, strict=True):
-            upper, lower = self._of_flanks(limits.flank_load_n_mm, sign * torque, half, s, angle)
-            if sign < 0.0:
-                upper, lower = -lower, -upper
-            least, most = np.maximum(least, lower), np.minimum(most, upper)
+        for kind in self._limits(limits):
+            spare, share = kind(at, q)
+            most = np.minimum(most, np.where((share[0] >= 0.0) & (share[1] > 0.0), _over(spare, share), inf))
+            share = -share[::-1]
+            least = np.maximum(least, np.where((share[0] >= 0.0) & (share[1] > 0.0), -_over(spare, share), -inf))
         return least, most
 
-    def _of_flanks(self, load: Array, torque: Array, half: Array, s: Array, angle: float) -> tuple[Array, Array]:
-        """The bounds of q' by the flank load H of flanks that a positive torque presses; infinite without a bound.
+    def _limits(self, limits: SweptLimits) -> list[Limit]:
+        """What each limit leaves at places of cells and values of q, (..., k), and its shares of q', (2, ..., k).
 
-        M (1 + s)^3 <= H (s cos(alpha) + q' sin(alpha)/(2 (1 + s))), with M = ``torque`` + ``half`` q'.
+        A slope keeps a limit where its share times q' is not over what is left, with one size of the flywheel's range.
         """
-        cube = (1.0 + s) ** 3
-        spare = load * s * cos(angle) - torque * cube
-        share = half * cube - load * sin(angle) / (2.0 * (1.0 + s))
-        upper = np.where(share[0] > 0.0, _over(spare, share), inf)
-        lower = np.where(share[1] < 0.0, -_over(spare, -share[::-1]), -inf)
-        free = ~np.isfinite(load)
-        return np.where(free, inf, upper), np.where(free, -inf, lower)
+        asked, speed, known = self.asked, self.task.speed_rad_s, self.known
+        still = STANDING * self.task.linkage.stroke_mm
+
+        def torque(at: Place, q: Array) -> tuple[Array, Array]:
+            """The crank's torque, and half its share of q' with the ends of the flywheel's range."""
+            half = speed**2 * (known.by_rate[at][..., None] + 1e-3 * wheels(q)) / 2.0
+            return known.static[at][..., None] + speed**2 * known.by_q[at][..., None] * q, half
+
+        def wheels(q: Array) -> Array:
+            return limits.flywheel_kg_mm2.reshape(2, *[1] * (q.ndim - 1), -1)
+
+        def acceleration(sign: float, at: Place, q: Array) -> tuple[Array, Array]:
+            first = known.first[at][..., None] * np.ones(q.shape)
+            spare = (1.0 + ROUNDING) * asked.acceleration_mm_s2 / speed**2 - sign * known.second[at][..., None] * q
+            return spare, np.stack([sign * np.where(np.abs(first) > still, first, 0.0) / 2.0] * 2)
+
+        def power(sign: float, most_w: Array | float, at: Place, q: Array) -> tuple[Array, Array]:
+            s, (static, half) = np.sqrt(q), torque(at, q)
+            return 1000.0 * most_w / speed - sign * static * s, (half * s)[:: int(sign)] * sign
+
+        def flank(sign: float, angle: float, at: Place, q: Array) -> tuple[Array, Array]:
+            # M (1 + s)^3 <= H (s cos(alpha) + q' sin(alpha)/(2 (1 + s))), with M = torque + half q'
+            s, (static, half) = np.sqrt(q), torque(at, q)
+            load, cube = limits.flank_load_n_mm, (1.0 + s) ** 3
+            share = half * cube - load * sin(angle) / (2.0 * (1.0 + s))
+            return load * s * cos(angle) - sign * static * cube, share[:: int(sign)] * sign
+
+        kinds: list[Limit] = []
+        if asked.acceleration_mm_s2 < inf:
+            kinds += [partial(acceleration, sign) for sign in (1.0, -1.0)]
+        if np.isfinite(limits.power_w).any():
+            kinds.append(partial(power, 1.0, limits.power_w))
+        if asked.braking_w < inf:
+            kinds.append(partial(power, -1.0, asked.braking_w))
+        if np.isfinite(limits.flank_load_n_mm).all():
+            kinds += [partial(flank, sign, angle) for sign, angle in zip((1.0, -1.0), self.angles, strict=True)]
+        return kinds
 
     def _without_masses(self, limits: SweptLimits) -> Array:
         """The greatest q in each cell that the power lets be without masses, shape (n, k); infinite with them."""
@@ -279,14 +377,50 @@ class Sweeps:
 
     def _shortest(self, curve: Array, lines: Array, highest: Array) -> Array:
         """The least time in each cell: motions stay below the lines from both ends, and 1/sqrt is convex."""
-        step, begin, end = self.step[:, None], curve[:-1], curve[1:]
-        forward, backward = lines
-        place = (end - begin - backward * step) / (forward - backward)
+        step = self.step[:, None]
+        (begin, forward), (end, backward) = lines
+        place = (end - backward * step - begin) / (forward - backward)
         place = np.clip(np.where(np.isfinite(place), place, step), 0.0, step)
-        apex = begin + forward * place
-        mean = ((begin + apex) * place + (apex + end) * (step - place)) / (2.0 * step)
-        most = np.minimum(1.0 / self.asked.ratio_min**2, highest)
-        return np.asarray(step / np.sqrt(np.where(np.isfinite(mean), np.minimum(mean, most), most)))
+        first, apex, last = (
+            np.minimum(begin + forward * at, end + backward * (at - step)) for at in (np.zeros_like(step), place, step)
+        )
+        mean = ((first + apex) * place + (apex + last) * (step - place)) / (2.0 * step)
+        return np.asarray(step / np.sqrt(np.minimum(mean, np.minimum(self._cap, highest))))
+
+
+def _along(start: Array, step: Array, slopes: Array) -> Array:
+    """Values along a cell from a start, with slopes at three places that are linear between its ends, (3, k)."""
+    return np.asarray(np.maximum(start + step * SHARES * (slopes[0] + slopes) / 2.0, 1e-9))
+
+
+def _lower_of(line: Line, other: Line) -> Line:
+    """The one of two lines with the lower end; without a finite start it is none."""
+    better = (other[0] < inf) & ((other[1] < line[1]) | ~(line[0] < inf))
+    start, end, slope = (np.where(better, new, old) for new, old in zip(other, line, strict=True))
+    return start, end, slope
+
+
+def _greatest(values: Array) -> Array:
+    """The greatest value over a cell of a function known at three places, (3, ...), with twice the bend they show."""
+    first, middle, last = values
+    bend = 2.0 * np.abs(middle - (first + last) / 2.0)
+    rise = last - first
+    vertex = (first + last) / 2.0 + bend + rise**2 / (16.0 * bend)
+    return np.where(np.abs(rise) < 4.0 * bend, vertex, np.maximum(first, last))
+
+
+def _root(function: Callable[[Array], Array], low: Array, high: Array, below: Array, above: Array) -> Array:
+    """Values near a root, not under it, of functions that are positive at ``low`` and negative at ``high``."""
+    kept = 0
+    side = np.zeros(low.shape)
+    for _ in range(5):
+        middle = low + (high - low) * below / (below - above)
+        value = function(middle)
+        over = value <= 0.0
+        low, below = np.where(over, low, middle), np.where(over, np.where(side > 0, below / 2.0, below), value)
+        high, above = np.where(over, middle, high), np.where(over, value, np.where(side < 0, above / 2.0, above))
+        side = np.where(over, 1.0, -1.0)
+    return high
 
 
 def _over(value: Array, divisor: Array) -> Array:
