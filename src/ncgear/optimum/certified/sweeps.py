@@ -6,10 +6,13 @@ the crank's torque M = M0 + w^2 (c q + J q'/2) is linear in q and q'.  So every 
 greatest periodic curve with slopes in these ranges (comparison of scalar differential inequalities).  A cycle takes at
 least the time along that curve.  Where that exceeds its time, no motion keeps all limits.
 
-The curve is followed from cell to cell as a barrier: its slope is the greatest possible one at both ends of a cell,
-linear between them, and a little more.  The addition is twice the distance of the greatest slope in the middle of the
-cell from that line: the greatest slope is the least of smooth functions of known quantities, and concave where two of
-them meet.  The jumps of a load are ends of cells.
+The curve is followed from cell to cell below a barrier: a parabola of nearly the greatest possible slopes, or a line.  A
+line is a barrier where one limit forbids all slopes over the line's, at every place of it.  This is judged by the limit's
+own amounts, which do not divide by the inertia: so light machines, whose motions go to an equilibrium within a cell and
+follow it, have barriers too.  One line of each cell follows the equilibrium, others fall towards it.
+
+A barrier is judged at three places of a cell with room for twice the bend that they show: the functions are smooth and
+known, and where two limits meet, the least of them is concave.  The jumps of a load are ends of cells.
 
 Both pitch curves may have dents here, and jerk, curvature and other forces are free; so the limit holds for more laws
 than the search has.  The flywheel may have any size of a range.
@@ -17,10 +20,9 @@ than the search has.  The flywheel may have any size of a range.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Any
-from functools import partial
+from collections.abc import Callable
 from math import cos, inf, pi, sin
+from typing import Any
 
 import numpy as np
 
@@ -66,13 +68,13 @@ Place = Any
 """Index of cells and their places in arrays (n, 3)."""
 
 Line = tuple[Array, Array, Array]
-"""Lines of a cell: the start, infinite where there is none, the end, and the steepest slope, (k,) each."""
+"""Lines of a cell: the start, infinite where there is none, the end, and the steepest slope."""
 
 LOOSE = 1e-4
 """Share of q that a cell may add to a curve before lines are tried in its place."""
 
-Limit = Callable[[Place, Array], tuple[Array, Array]]
-"""What a limit leaves at places for values of q, and its shares of q' with both ends of the flywheel's range."""
+SCANNED = 12
+"""Values of q between the greatest and the least at which the level of a limit is looked for."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,6 +110,23 @@ class SweptLimits:
         return self.power_w.size
 
 
+@dataclass(frozen=True, eq=False)
+class LimitRows:
+    """The limits of k problems as j rows, each of flank load, of power, or of acceleration.
+
+    ``flank`` and ``power`` tell which, (j, 1), ``level`` is what a row allows and ``tilt`` how much more with a slope,
+    (j, k); ``wheel`` is the flywheel's part of the share of a slope, (2, j, k), and ``felt`` has what stands against
+    the level, alone, by q and by slope, (3, j, n, 3).
+    """
+
+    flank: Array
+    power: Array
+    level: Array
+    tilt: Array
+    wheel: Array
+    felt: Array
+
+
 def known_functions(task: Task, asked: Demands, cells: int) -> LinkageValues:
     """The known functions of a machine in about ``cells`` cells."""
     stretches = [one.stretch for one in asked.requirements(TimeWithin)]
@@ -136,18 +155,20 @@ class Sweeps:
     def possible(self, limits: SweptLimits) -> Array:
         """Whether a motion may keep the limits, shape (k,): False is certain."""
         with np.errstate(all="ignore"):
-            curve = self._begun(limits)
-            kinds = self._limits(limits)
-            resting = {way: [self._resting(one, way, limits.count) for one in kinds] for way in (1, -1)}
-            lines = np.empty((2, 2, self.step.size, limits.count))
-            lines[:, 0], lines[:, 1] = self._cap, 0.0
+            curve, rows = self._begun(limits), self._rows(limits)
+            resting = [(way, self._resting(rows, way, limits.count)) for way in (1, -1)]
+            lines = np.zeros((2, 2, self.step.size, limits.count))
+            lines[:, 0] = self._cap
             for _ in range(TURNS):
                 before = curve.copy()
-                for way in (1, -1):
-                    self._sweep(limits, way, curve, lines[max(-way, 0)], resting[way])
-                if np.max(before - curve) < SETTLED:
+                for way, calm in resting:
+                    self._sweep(rows, way, curve, lines[max(-way, 0)], calm)
+                possible = self._has_time(limits, curve, lines)
+                # Nothing more is asked of what is certain
+                curve[:, np.logical_not(possible)] = LOWERED * self._floor
+                if np.max((before - curve)[:, possible], initial=0.0) < SETTLED:
                     break
-            return self._has_time(limits, curve, lines)
+            return possible
 
     @property
     def _cap(self) -> float:
@@ -173,187 +194,150 @@ class Sweeps:
         beside = np.minimum(np.vstack([highest, highest[-1:]]), np.vstack([highest[:1], highest]))
         return np.asarray(np.minimum(fastest[:, None], beside))
 
-    def _sweep(self, limits: SweptLimits, way: int, curve: Array, lines: Array, resting: list[Array]) -> None:
-        """Lower a curve from cell to cell, forwards (``way`` 1) or backwards (-1); ``lines`` are the barriers, (2, n, k).
+    def _sweep(self, rows: LimitRows, way: int, curve: Array, lines: Array, resting: Line) -> None:
+        """Lower a curve from cell to cell, forwards (``way`` 1) or backwards (-1), and its barriers' lines, (2, n, k).
 
         A line has the value at the end of the cell from which it comes, and its slope.
         """
-        kinds = self._limits(limits)
         for cell in range(self.step.size)[::way]:
             here, there = (cell, cell + 1)[::way]
-            step = way * self.step[cell]
-            self._lower(limits, (cell, 1 - way), curve[here])
-            q = curve[here]
-            line, loose = self._parabola(limits, kinds, cell, q, way)
-            for number, kind in enumerate(kinds):
-                level, steady = resting[number][:, cell]
-                line = _lower_of(line, (np.where(q <= level, level, inf), level + step * steady, steady))
-                above = loose & (q > level) & (level + step * steady < line[1])
-                if above.any():
-                    line = _lower_of(line, self._falling(kind, cell, q, level + step * steady, way))
+            self._lower(rows, (cell, 1 - way), curve[here])
+            q, (level, reached, slope) = curve[here], (one[:, cell] for one in resting)
+            line, loose = self._parabola(rows, cell, q, way)
+            line = _lowest(line, (np.where(q <= level, level, inf), reached, slope))
+            above = loose & (q > level) & (reached < line[1])
+            if above.any():
+                line = _lowest(line, self._falling(rows, cell, q, reached, way))
             start, end, slope = line
             bounded = start < inf
             lines[0, cell] = np.where(bounded, start, self._cap)
             lines[1, cell] = np.where(bounded, slope, 0.0)
-            curve[there] = np.where(bounded, np.minimum(curve[there], end), curve[there])
+            curve[there] = np.where(bounded & (end < curve[there]), end, curve[there])
         curve[0] = curve[-1] = np.minimum(curve[0], curve[-1])
 
-    def _lower(self, limits: SweptLimits, at: Place, q: Array) -> None:
+    def _lower(self, rows: LimitRows, at: Place, q: Array) -> None:
         """Lower the curve at a place as long as no slope is possible there."""
-        stuck = self._stuck(limits, at, q)
+        stuck = self._stuck(rows, at, q)
         for _ in range(STEPS_DOWN):
             if not stuck.any():
                 return
             # Between two values without a possible slope there is none
-            stuck &= self._stuck(limits, at, LOWERED * q)
+            stuck = np.logical_and(stuck, self._stuck(rows, at, LOWERED * q))
             q[stuck] *= LOWERED
 
-    def _stuck(self, limits: SweptLimits, at: Place, q: Array) -> Array:
-        least, most = self.slopes(limits, at, q)
+    def _stuck(self, rows: LimitRows, at: Place, q: Array) -> Array:
+        least, most = self._slopes(rows, at, q)
         above = np.where(np.isfinite(most), most + ROUNDING * np.abs(most), most)
-        return np.asarray((least > above) & (q > 0.5 * self._floor))
+        return np.asarray((least > above) & (q > LOWERED * self._floor))
 
-    def _parabola(
-        self, limits: SweptLimits, kinds: Sequence[Limit], cell: int, q: Array, way: int
-    ) -> tuple[Line, Array]:
-        """A barrier of nearly the steepest slopes, and whether lines may be tighter."""
+    def _parabola(self, rows: LimitRows, cell: int, q: Array, way: int) -> tuple[Line, Array]:
+        """A barrier of nearly the steepest slopes, and whether lines may be lower."""
         at = cell, slice(None, None, way)
         step, most = way * self.step[cell], max(way, 0)
-        slope = self.slopes(limits, at, np.repeat(q[None], 3, axis=0))[most]
-        for _ in range(3):
+        slope = self._slopes(rows, at, np.repeat(q[None], 3, axis=0))[most]
+        for _ in range(2):
             slopes = slope[0] + (slope[2] - slope[0]) * SHARES
-            slope = self.slopes(limits, at, _along(q, step, slopes))[most]
+            slope = self._slopes(rows, at, _along(q, step, slopes))[most]
         room = 2.5 * np.abs(slope[1] - (slope[0] + slope[2]) / 2.0) + ROUNDING
         slopes = slope[0] + way * room + (slope[2] - slope[0]) * SHARES
         curve = _along(q, step, slopes)
-        most_now = self.slopes(limits, at, curve)[most]
-        kept = _greatest(way * (most_now - slopes)) <= 0.0
-        for kind in kinds:
-            kept |= self._passed(kind, at, curve, slopes, way)
-        loose = ~kept | (room * abs(step) > LOOSE * q)
-        return (np.where(kept, q, inf), curve[2], way * np.maximum(way * slopes[0], way * slopes[2])), loose
+        kept = _greatest(way * (self._slopes(rows, at, curve)[most] - slopes)) <= 0.0
+        if not kept.all():
+            kept |= _passed(rows, at, curve, slopes, way).any(axis=0)
+        line = np.where(kept, q, inf), curve[2], way * np.maximum(way * slopes[0], way * slopes[2])
+        return line, ~kept | (room * abs(step) > LOOSE * q)
 
-    def _passed(self, kind: Limit, at: Place, q: Array, slope: Array, way: int) -> Array:
-        """Whether a limit lets no motion pass a line upwards, by values at three places, (3, ..., k) each."""
-        spare, share = kind(at, q)
-        excess = np.maximum(spare - share[0] * slope, spare - share[1] * slope)
-        return np.asarray((_greatest(excess) <= 0.0) & np.all(way * share >= 0.0, axis=(0, 1)))
-
-    def _resting(self, kind: Limit, way: int, count: int) -> Array:
-        """Lines near which motions at a limit go on, however light the machine: starts, or infinity, and slopes, (2, n, k).
+    def _resting(self, rows: LimitRows, way: int, count: int) -> Line:
+        """Lines near which motions at each limit go on, however light the machine, (j, n, k) each.
 
         A motion below its start in a cell does not pass it.
         """
-        at = np.s_[np.arange(self.step.size), np.arange(3)[::way, None]]
-        step = way * self.step[:, None]
-        slope = np.zeros((self.step.size, count))
-        level = self._level(kind, at, slope)
-        slope = (level[2] - level[0]) / step
-        level = self._level(kind, at, slope) - SHARES[..., None] * step * slope
-        start = _greatest(level) * (1.0 + ROUNDING)
-        passed = self._passed(kind, at, start + SHARES[..., None] * step * slope, np.repeat(slope[None], 3, axis=0), way)
-        return np.stack([np.where(passed, start, inf), np.where(passed, slope, 0.0)])
+        at = np.arange(self.step.size), np.arange(3)[::way, None]
+        step, shares = way * self.step[:, None], SHARES[..., None]
+        level = self._level(rows, at, np.zeros((rows.level.shape[0], 1, self.step.size, count)))
+        slope = (level[:, 2:] - level[:, :1]) / step
+        level = self._level(rows, at, slope) - shares * step * slope
+        start = _greatest(np.moveaxis(level, 1, 0))[:, None] * (1.0 + ROUNDING)
+        passed = _passed(rows, at, start + shares * step * slope, slope, way)
+        start, slope = start[:, 0], slope[:, 0]
+        return np.where(passed, start, inf), start + step * slope, slope
 
-    def _level(self, kind: Limit, at: Place, slope: Array) -> Array:
-        """The greatest q from which a limit stops a slope, up to the greatest q, (3, n, k)."""
-
-        def excess(q: Array) -> Array:
-            spare, share = kind(at, q)
-            return np.maximum(spare - share[0] * slope, spare - share[1] * slope)
-
-        shape = (3, *slope.shape)
-        high, low = np.full(shape, self._cap), np.full(shape, self._floor)
-        found = excess(high) <= 0.0
-        above, below = excess(high), np.full(shape, np.nan)
-        going = found.copy()
-        for q in np.geomspace(self._cap, self._floor, 12)[1:]:
-            value = excess(np.full(shape, q))
+    def _level(self, rows: LimitRows, at: Place, slope: Array) -> Array:
+        """The least q up to the greatest one from which on a limit stops a slope, (j, 3, n, k); nan without any."""
+        high, floor = np.full((slope.shape[0], 3, *slope.shape[2:]), self._cap), self._floor
+        above = _excess(rows, at, high, slope)
+        going, low, below = above <= 0.0, np.full(high.shape, np.nan), np.full(high.shape, np.nan)
+        for q in np.geomspace(self._cap, floor, SCANNED)[1:]:
+            value = _excess(rows, at, np.full(high.shape[1:], q), slope)
             stops = going & (value > 0.0)
             low[stops], below[stops] = q, value[stops]
             going &= ~stops
             high[going], above[going] = q, value[going]
         # Below the floor no motion is possible
-        low[going] = high[going]
-        return np.where(found, _root(excess, low, high, below, above), np.nan)
+        found = _root(lambda q: _excess(rows, at, q, slope), (low, below), (high, above))
+        return np.where(going, floor, np.where(np.isfinite(low), found, np.nan))
 
-    def _falling(self, kind: Limit, cell: int, q: Array, resting: Array, way: int) -> Line:
-        """A line from above the motions at a limit towards them: its start, or infinity, and its slope, (k,) each."""
+    def _falling(self, rows: LimitRows, cell: int, q: Array, reached: Array, way: int) -> Line:
+        """Lines from above the motions at each limit towards them, (j, k) each."""
         at, end = (cell, slice(None, None, way)), (cell, 1 + way)
         step = way * self.step[cell]
 
         def excess(other: Array) -> Array:
-            spare, share = kind(end, other)
-            slope = (other - q) / step
-            return np.maximum(spare - share[0] * slope, spare - share[1] * slope)
+            return _excess(rows, end, other, (other - q) / step)
 
-        low = np.where(resting < q, resting, self._floor)
-        slope = (_root(excess, low, q.copy(), excess(low), excess(q)) - q) / step
-        start = q
+        low, high = np.where(reached < q, reached, self._floor), np.broadcast_to(q, reached.shape)
+        slope = ((_root(excess, (low, excess(low)), (high, excess(high))) - q) / step)[:, None]
+        start = high[:, None]
         for _ in range(2):
-            lines = [one + SHARES * step * slope for one in (start, start * (1.0 + NEARBY))]
-            below, above = (self._excess(kind, at, one, slope) for one in lines)
-            start = start + 1.1 * np.maximum(_greatest(below / (below - above)), 0.0) * NEARBY * start
-        passed = self._passed(kind, at, start + SHARES * step * slope, np.repeat(slope[None], 3, axis=0), way)
+            own, beside = (
+                _excess(rows, at, one + SHARES * step * slope, slope) for one in (start, start * (1.0 + NEARBY))
+            )
+            raised = np.maximum(_greatest(np.moveaxis(own / (own - beside), 1, 0)), 0.0)[:, None]
+            start = start * (1.0 + 1.1 * NEARBY * raised)
+        passed = _passed(rows, at, start + SHARES * step * slope, slope, way)
+        start, slope = start[:, 0], slope[:, 0]
         return np.where(passed, start, inf), start + step * slope, slope
-
-    def _excess(self, kind: Limit, at: Place, q: Array, slope: Array) -> Array:
-        spare, share = kind(at, q)
-        return np.maximum(spare - share[0] * slope, spare - share[1] * slope)
 
     def slopes(self, limits: SweptLimits, at: Place, q: Array) -> tuple[Array, Array]:
         """The least and the greatest q' that all limits allow at places of cells, (..., k); crossed without any."""
-        asked = self.asked
-        most = 2.0 * asked.steepness * (q + np.sqrt(q)) if asked.steepness < inf else np.full(q.shape, inf)
-        least = -most
-        for kind in self._limits(limits):
-            spare, share = kind(at, q)
-            most = np.minimum(most, np.where((share[0] >= 0.0) & (share[1] > 0.0), _over(spare, share), inf))
-            share = -share[::-1]
-            least = np.maximum(least, np.where((share[0] >= 0.0) & (share[1] > 0.0), -_over(spare, share), -inf))
-        return least, most
+        return self._slopes(self._rows(limits), at, q)
 
-    def _limits(self, limits: SweptLimits) -> list[Limit]:
-        """What each limit leaves at places of cells and values of q, (..., k), and its shares of q', (2, ..., k).
+    def _slopes(self, rows: LimitRows, at: Place, q: Array) -> tuple[Array, Array]:
+        steepness = self.asked.steepness
+        most = 2.0 * steepness * (q + np.sqrt(q)) if steepness < inf else np.full(q.shape, inf)
+        spare, (low, high) = _left(rows, at, q)
+        upper = np.where((low >= 0.0) & (high > 0.0), _over(spare, (low, high)), inf)
+        lower = np.where((high <= 0.0) & (low < 0.0), -_over(spare, (-high, -low)), -inf)
+        return np.maximum(-most, lower.max(axis=0, initial=-inf)), np.minimum(most, upper.min(axis=0, initial=inf))
 
-        A slope keeps a limit where its share times q' is not over what is left, with one size of the flywheel's range.
-        """
-        asked, speed, known = self.asked, self.task.speed_rad_s, self.known
-        still = STANDING * self.task.linkage.stroke_mm
-
-        def torque(at: Place, q: Array) -> tuple[Array, Array]:
-            """The crank's torque, and half its share of q' with the ends of the flywheel's range."""
-            half = speed**2 * (known.by_rate[at][..., None] + 1e-3 * wheels(q)) / 2.0
-            return known.static[at][..., None] + speed**2 * known.by_q[at][..., None] * q, half
-
-        def wheels(q: Array) -> Array:
-            return limits.flywheel_kg_mm2.reshape(2, *[1] * (q.ndim - 1), -1)
-
-        def acceleration(sign: float, at: Place, q: Array) -> tuple[Array, Array]:
-            first = known.first[at][..., None] * np.ones(q.shape)
-            spare = (1.0 + ROUNDING) * asked.acceleration_mm_s2 / speed**2 - sign * known.second[at][..., None] * q
-            return spare, np.stack([sign * np.where(np.abs(first) > still, first, 0.0) / 2.0] * 2)
-
-        def power(sign: float, most_w: Array | float, at: Place, q: Array) -> tuple[Array, Array]:
-            s, (static, half) = np.sqrt(q), torque(at, q)
-            return 1000.0 * most_w / speed - sign * static * s, (half * s)[:: int(sign)] * sign
-
-        def flank(sign: float, angle: float, at: Place, q: Array) -> tuple[Array, Array]:
-            # M (1 + s)^3 <= H (s cos(alpha) + q' sin(alpha)/(2 (1 + s))), with M = torque + half q'
-            s, (static, half) = np.sqrt(q), torque(at, q)
-            load, cube = limits.flank_load_n_mm, (1.0 + s) ** 3
-            share = half * cube - load * sin(angle) / (2.0 * (1.0 + s))
-            return load * s * cos(angle) - sign * static * cube, share[:: int(sign)] * sign
-
-        kinds: list[Limit] = []
+    def _rows(self, limits: SweptLimits) -> LimitRows:
+        """The limits of acceleration, power, braking power and flank load that are given."""
+        asked, known, half = self.asked, self.known, self.task.speed_rad_s**2 / 2.0
+        still = np.abs(known.first) <= STANDING * self.task.linkage.stroke_mm
+        felt = np.stack([known.static, 2.0 * half * known.by_q, half * known.by_rate])
+        pushed = np.stack([np.zeros(known.first.shape), known.second, np.where(still, 0.0, known.first) / 2.0])
+        wheel, count = 1e-3 * half * limits.flywheel_kg_mm2, limits.count
+        nothing = np.zeros((2, count))
+        found: list[tuple[int, bool, bool, Array, Array, Array, Array]] = []
         if asked.acceleration_mm_s2 < inf:
-            kinds += [partial(acceleration, sign) for sign in (1.0, -1.0)]
-        if np.isfinite(limits.power_w).any():
-            kinds.append(partial(power, 1.0, limits.power_w))
-        if asked.braking_w < inf:
-            kinds.append(partial(power, -1.0, asked.braking_w))
+            peak = np.full(count, (1.0 + ROUNDING) * asked.acceleration_mm_s2 / (2.0 * half))
+            found += [(sign, False, False, peak, nothing[0], nothing, pushed) for sign in (1, -1)]
+        for sign, power_w in ((1, limits.power_w), (-1, np.full(count, asked.braking_w))):
+            if np.isfinite(power_w).any():
+                found.append((sign, False, True, 1000.0 * power_w / self.task.speed_rad_s, nothing[0], wheel, felt))
         if np.isfinite(limits.flank_load_n_mm).all():
-            kinds += [partial(flank, sign, angle) for sign, angle in zip((1.0, -1.0), self.angles, strict=True)]
-        return kinds
+            for sign, angle in zip((1, -1), self.angles, strict=True):
+                across, along = limits.flank_load_n_mm * cos(angle), sign * limits.flank_load_n_mm * sin(angle) / 2.0
+                found.append((sign, True, False, across, along, wheel, felt))
+        rows = len(found)
+        return LimitRows(
+            np.array([one[1] for one in found]).reshape(rows, 1),
+            np.array([one[2] for one in found]).reshape(rows, 1),
+            np.array([one[3] for one in found]).reshape(rows, count),
+            np.array([one[4] for one in found]).reshape(rows, count),
+            np.array([one[0] * one[5][:: one[0]] for one in found]).reshape(rows, 2, count).swapaxes(0, 1),
+            np.array([one[0] * one[6] for one in found]).reshape(rows, *felt.shape).swapaxes(0, 1),
+        )
 
     def _without_masses(self, limits: SweptLimits) -> Array:
         """The greatest q in each cell that the power lets be without masses, shape (n, k); infinite with them."""
@@ -393,11 +377,43 @@ def _along(start: Array, step: Array, slopes: Array) -> Array:
     return np.asarray(np.maximum(start + step * SHARES * (slopes[0] + slopes) / 2.0, 1e-9))
 
 
-def _lower_of(line: Line, other: Line) -> Line:
-    """The one of two lines with the lower end; without a finite start it is none."""
-    better = (other[0] < inf) & ((other[1] < line[1]) | ~(line[0] < inf))
-    start, end, slope = (np.where(better, new, old) for new, old in zip(other, line, strict=True))
-    return start, end, slope
+def _left(rows: LimitRows, at: Place, q: Array) -> tuple[Array, Array]:
+    """What each limit leaves at places for values of q, and its shares of q', (j, ..., k) and (2, j, ..., k).
+
+    A slope keeps a limit where its share times q' is not over what is left, for one size of the flywheel's range.  A
+    flank load H asks M (1 + s)^3 <= H (s cos(alpha) + q' sin(alpha)/(2 (1 + s))).
+    """
+    static, by_q, half = rows.felt[(slice(None), slice(None), *at)][..., None]
+    between = (1,) * (static.ndim - 2)
+
+    def wide(one: Array) -> Array:
+        return one.reshape(*one.shape[:-1], *between, one.shape[-1])
+
+    s, flank = np.sqrt(q), wide(rows.flank)
+    near = 1.0 + s
+    weight = np.where(flank, near * near * near, np.where(wide(rows.power), s, 1.0))
+    spare = wide(rows.level) * np.where(flank, s, 1.0) - (static + by_q * q) * weight
+    return spare, (half + wide(rows.wheel)) * weight - wide(rows.tilt) / near
+
+
+def _excess(rows: LimitRows, at: Place, q: Array, slope: Array) -> Array:
+    """What each limit leaves beside a slope, (j, ..., k)."""
+    spare, share = _left(rows, at, q)
+    return np.maximum(spare - share[0] * slope, spare - share[1] * slope)
+
+
+def _passed(rows: LimitRows, at: Place, q: Array, slope: Array, way: int) -> Array:
+    """Whether each limit lets no motion pass a line upwards, by values at three places, (j, ..., k) each."""
+    spare, share = _left(rows, at, q)
+    excess = np.maximum(spare - share[0] * slope, spare - share[1] * slope)
+    return np.asarray((_greatest(np.moveaxis(excess, 1, 0)) <= 0.0) & np.all(way * share >= 0.0, axis=(0, 2)))
+
+
+def _lowest(line: Line, others: Line) -> Line:
+    """Of a line, (k,) each, and others, (j, k), those with the lowest end that have a finite start."""
+    start, end, slope = (np.vstack([own, other]) for own, other in zip(line, others, strict=True))
+    best = np.argmin(np.where(start < inf, end, inf), axis=0), np.arange(start.shape[1])
+    return start[best], end[best], slope[best]
 
 
 def _greatest(values: Array) -> Array:
@@ -409,21 +425,25 @@ def _greatest(values: Array) -> Array:
     return np.where(np.abs(rise) < 4.0 * bend, vertex, np.maximum(first, last))
 
 
-def _root(function: Callable[[Array], Array], low: Array, high: Array, below: Array, above: Array) -> Array:
-    """Values near a root, not under it, of functions that are positive at ``low`` and negative at ``high``."""
-    kept = 0
-    side = np.zeros(low.shape)
+def _root(function: Callable[[Array], Array], low: tuple[Array, Array], high: tuple[Array, Array]) -> Array:
+    """Places near roots, not below them, of functions positive at ``low`` and negative at ``high``, by false position.
+
+    Each end has its values.
+    """
+    (left, below), (right, above) = low, high
+    side = np.zeros(left.shape)
     for _ in range(5):
-        middle = low + (high - low) * below / (below - above)
+        middle = left + (right - left) * below / (below - above)
         value = function(middle)
         over = value <= 0.0
-        low, below = np.where(over, low, middle), np.where(over, np.where(side > 0, below / 2.0, below), value)
-        high, above = np.where(over, middle, high), np.where(over, value, np.where(side < 0, above / 2.0, above))
+        # An end that stays counts half
+        left, below = np.where(over, left, middle), np.where(over, np.where(side > 0.0, below / 2.0, below), value)
+        right, above = np.where(over, middle, right), np.where(over, value, np.where(side < 0.0, above / 2.0, above))
         side = np.where(over, 1.0, -1.0)
-    return high
+    return right
 
 
-def _over(value: Array, divisor: Array) -> Array:
+def _over(value: Array, divisor: tuple[Array, Array]) -> Array:
     """The greatest quotient of a value and positive divisors of a range, (2, k): the least if it is positive."""
     return np.asarray(np.where(value >= 0.0, value / divisor[0], value / divisor[1]))
 
