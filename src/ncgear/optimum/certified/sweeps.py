@@ -6,9 +6,9 @@ the crank's torque M = M0 + w^2 (c q + J q'/2) is linear in q and q'.  So every 
 greatest periodic curve with slopes in these ranges (comparison of scalar differential inequalities).  A cycle takes at
 least the time along that curve.  Where that exceeds its time, no motion keeps all limits.
 
-The curve is followed from cell to cell below a barrier: a parabola of nearly the greatest possible slopes, or a line.  A
-line is a barrier where one limit forbids all slopes over the line's, at every place of it.  This is judged by the limit's
-own amounts, which do not divide by the inertia: so light machines, whose motions go to an equilibrium within a cell and
+The curve is followed from cell to cell below a barrier: a parabola of nearly the greatest possible slopes, or a line.
+A line is a barrier where one limit forbids all slopes over the line's, at every place of it.  The limit's own amounts
+judge this, which do not divide by the inertia: so light machines, whose motions go to an equilibrium within a cell and
 follow it, have barriers too.  One line of each cell follows the equilibrium, others fall towards it.
 
 A barrier is judged at three places of a cell with room for twice the bend that they show: the functions are smooth and
