@@ -6,10 +6,13 @@ the crank's torque M = M0 + w^2 (c q + J q'/2) is linear in q and q'.  So every 
 greatest periodic curve with slopes in these ranges (comparison of scalar differential inequalities).  A cycle takes at
 least the time along that curve.  Where that exceeds its time, no motion keeps all limits.
 
-The curve is followed from cell to cell as a barrier: its slope is the greatest possible one at both ends of a cell,
-linear between them, and a little more.  The addition is twice the distance of the greatest slope in the middle of the
-cell from that line: the greatest slope is the least of smooth functions of known quantities, and concave where two of
-them meet.  The jumps of a load are ends of cells.
+The curve is followed from cell to cell below a barrier: a parabola of nearly the greatest possible slopes, or a line.
+A line is a barrier where one limit forbids all slopes over the line's, at every place of it.  The limit's own amounts
+judge this, which do not divide by the inertia: so light machines, whose motions go to an equilibrium within a cell and
+follow it, have barriers too.  One line of each cell follows the equilibrium, others fall towards it.
+
+A barrier is judged at three places of a cell with room for twice the bend that they show: the functions are smooth and
+known, and where two limits meet, the least of them is concave.  The jumps of a load are ends of cells.
 
 Both pitch curves may have dents here, and jerk, curvature and other forces are free; so the limit holds for more laws
 than the search has.  The flywheel may have any size of a range.
@@ -19,6 +22,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import cos, inf, pi, sin
+from typing import Any
 
 import numpy as np
 
@@ -47,10 +51,6 @@ LEVELS, ROUNDS = 13, 3
 LOWERED, STEPS_DOWN = 0.998, 20
 """Ratio by which the curve is lowered where no slope is possible, and most such steps at a place of a sweep."""
 
-RESOLVED = 0.1
-"""Most change of a slope over a cell, as a share of q, for which the slopes at three places tell where a curve ends.
-The loads of light machines change slopes faster; a motion then follows its equilibrium, and cells tell nothing."""
-
 NEARBY = 1e-6
 """Share of q between two slopes that tell how fast a slope changes with q."""
 
@@ -59,6 +59,22 @@ ROUNDING = 1e-7
 
 STANDING = 1e-7
 """Way for an angle of the crank, as a share of the stroke, under which the place counts as a dead centre."""
+
+
+SHARES = np.array([[0.0], [0.5], [1.0]])
+"""The same places as shares of a cell from the end where a sweep enters it."""
+
+Place = Any
+"""Index of cells and their places in arrays (n, 3)."""
+
+Line = tuple[Array, Array, Array]
+"""Lines of a cell: the start, infinite where there is none, the end, and the steepest slope."""
+
+LOOSE = 1e-4
+"""Share of q that a cell may add to a curve before lines are tried in its place."""
+
+SCANNED = 12
+"""Values of q between the greatest and the least at which the level of a limit is looked for."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,6 +110,23 @@ class SweptLimits:
         return self.power_w.size
 
 
+@dataclass(frozen=True, eq=False)
+class LimitRows:
+    """The limits of k problems as j rows, each of flank load, of power, or of acceleration.
+
+    ``flank`` and ``power`` tell which, (j, 1), ``level`` is what a row allows and ``tilt`` how much more with a slope,
+    (j, k); ``wheel`` is the flywheel's part of the share of a slope, (2, j, k), and ``felt`` has what stands against
+    the level, alone, by q and by slope, (3, j, n, 3).
+    """
+
+    flank: Array
+    power: Array
+    level: Array
+    tilt: Array
+    wheel: Array
+    felt: Array
+
+
 def known_functions(task: Task, asked: Demands, cells: int) -> LinkageValues:
     """The known functions of a machine in about ``cells`` cells."""
     stretches = [one.stretch for one in asked.requirements(TimeWithin)]
@@ -122,15 +155,24 @@ class Sweeps:
     def possible(self, limits: SweptLimits) -> Array:
         """Whether a motion may keep the limits, shape (k,): False is certain."""
         with np.errstate(all="ignore"):
-            curve = self._begun(limits)
-            lines = np.full((2, self.step.size, limits.count), inf)
+            curve, rows = self._begun(limits), self._rows(limits)
+            resting = [(way, self._resting(rows, way, limits.count)) for way in (1, -1)]
+            lines = np.zeros((2, 2, self.step.size, limits.count))
+            lines[:, 0] = self._cap
             for _ in range(TURNS):
                 before = curve.copy()
-                self._forwards(limits, curve, lines[0])
-                self._backwards(limits, curve, lines[1])
-                if np.max(before - curve) < SETTLED:
+                for way, calm in resting:
+                    self._sweep(rows, way, curve, lines[max(-way, 0)], calm)
+                possible = self._has_time(limits, curve, lines)
+                # Nothing more is asked of what is certain
+                curve[:, np.logical_not(possible)] = LOWERED * self._floor
+                if np.max((before - curve)[:, possible], initial=0.0) < SETTLED:
                     break
-            return self._has_time(limits, curve, lines)
+            return possible
+
+    @property
+    def _cap(self) -> float:
+        return float(1.0 / self.asked.ratio_min**2)
 
     @property
     def _floor(self) -> float:
@@ -139,7 +181,7 @@ class Sweeps:
     def _begun(self, limits: SweptLimits) -> Array:
         """The greatest q at the ends of cells before any sweep, shape (n + 1, k)."""
         speed, asked, known = self.task.speed_rad_s, self.asked, self.known
-        fastest = np.full(self.step.size + 1, 1.0 / asked.ratio_min**2)
+        fastest = np.full(self.step.size + 1, self._cap)
         way = np.abs(np.append(known.first[:, 0], known.first[-1, 2]))
         bend = np.abs(np.append(known.second[:, 0], known.second[-1, 2]))
         if asked.speed_mm_s < inf:
@@ -152,110 +194,150 @@ class Sweeps:
         beside = np.minimum(np.vstack([highest, highest[-1:]]), np.vstack([highest[:1], highest]))
         return np.asarray(np.minimum(fastest[:, None], beside))
 
-    def _forwards(self, limits: SweptLimits, curve: Array, lines: Array) -> None:
-        for cell in range(self.step.size):
-            self._lower(limits, (cell, 0), curve[cell])
-            end, lines[cell] = self._barrier(limits, cell, curve[cell], (0, 2), 1)
-            curve[cell + 1] = np.minimum(curve[cell + 1], end)
+    def _sweep(self, rows: LimitRows, way: int, curve: Array, lines: Array, resting: Line) -> None:
+        """Lower a curve from cell to cell, forwards (``way`` 1) or backwards (-1), and its barriers' lines, (2, n, k).
+
+        A line has the value at the end of the cell from which it comes, and its slope.
+        """
+        for cell in range(self.step.size)[::way]:
+            here, there = (cell, cell + 1)[::way]
+            self._lower(rows, (cell, 1 - way), curve[here])
+            q, (level, reached, slope) = curve[here], (one[:, cell] for one in resting)
+            line, loose = self._parabola(rows, cell, q, way)
+            line = _lowest(line, (np.where(q <= level, level, inf), reached, slope))
+            above = loose & (q > level) & (reached < line[1])
+            if above.any():
+                line = _lowest(line, self._falling(rows, cell, q, reached, way))
+            start, end, slope = line
+            bounded = start < inf
+            lines[0, cell] = np.where(bounded, start, self._cap)
+            lines[1, cell] = np.where(bounded, slope, 0.0)
+            curve[there] = np.where(bounded & (end < curve[there]), end, curve[there])
         curve[0] = curve[-1] = np.minimum(curve[0], curve[-1])
 
-    def _backwards(self, limits: SweptLimits, curve: Array, lines: Array) -> None:
-        for cell in range(self.step.size - 1, -1, -1):
-            self._lower(limits, (cell, 2), curve[cell + 1])
-            end, lines[cell] = self._barrier(limits, cell, curve[cell + 1], (2, 0), 0)
-            curve[cell] = np.minimum(curve[cell], end)
-        curve[0] = curve[-1] = np.minimum(curve[0], curve[-1])
-
-    def _lower(self, limits: SweptLimits, at: tuple[int, int], q: Array) -> None:
+    def _lower(self, rows: LimitRows, at: Place, q: Array) -> None:
         """Lower the curve at a place as long as no slope is possible there."""
+        stuck = self._stuck(rows, at, q)
         for _ in range(STEPS_DOWN):
-            least, most = self.slopes(limits, at, q)
-            above = np.where(np.isfinite(most), most + ROUNDING * np.abs(most), most)
-            stuck = (least > above) & (q > 0.5 * self._floor)
             if not stuck.any():
                 return
+            # Between two values without a possible slope there is none
+            stuck = np.logical_and(stuck, self._stuck(rows, at, LOWERED * q))
             q[stuck] *= LOWERED
 
-    def _barrier(
-        self, limits: SweptLimits, cell: int, q: Array, nodes: tuple[int, int], most: int
-    ) -> tuple[Array, Array]:
-        """The value at the other end of a cell that no motion passes, and the steepest slope towards it, or infinity.
+    def _stuck(self, rows: LimitRows, at: Place, q: Array) -> Array:
+        least, most = self._slopes(rows, at, q)
+        above = np.where(np.isfinite(most), most + ROUNDING * np.abs(most), most)
+        return np.asarray((least > above) & (q > LOWERED * self._floor))
 
-        ``most`` is 1 for the greatest slope, forwards, and 0 for the least, backwards.
-        """
-        here, there = nodes
-        step = self.step[cell] if most else -self.step[cell]
-        sign = 1.0 if most else -1.0
-        first = self.slopes(limits, (cell, here), q)[most]
-        last = first
+    def _parabola(self, rows: LimitRows, cell: int, q: Array, way: int) -> tuple[Line, Array]:
+        """A barrier of nearly the steepest slopes, and whether lines may be lower."""
+        at = cell, slice(None, None, way)
+        step, most = way * self.step[cell], max(way, 0)
+        slope = self._slopes(rows, at, np.repeat(q[None], 3, axis=0))[most]
         for _ in range(2):
-            other = np.maximum(q + step * (first + last) / 2.0, 1e-9)
-            last = self.slopes(limits, (cell, there), other)[most]
-        middle = self.slopes(limits, (cell, 1), np.maximum(q + step * (3.0 * first + last) / 8.0, 1e-9))[most]
-        room = 2.0 * np.abs(middle - (first + last) / 2.0) + ROUNDING
-        end = q + step * ((first + last) / 2.0 + sign * room)
-        line = (np.maximum if most else np.minimum)(first, last) + sign * room
-        bounded = np.isfinite(end) & self._resolved(limits, (cell, here), q, first, most)
-        bounded &= self._resolved(limits, (cell, there), other, last, most)
-        return np.where(bounded, end, inf), np.where(bounded, line, sign * inf)
+            slopes = slope[0] + (slope[2] - slope[0]) * SHARES
+            slope = self._slopes(rows, at, _along(q, step, slopes))[most]
+        room = 2.5 * np.abs(slope[1] - (slope[0] + slope[2]) / 2.0) + ROUNDING
+        slopes = slope[0] + way * room + (slope[2] - slope[0]) * SHARES
+        curve = _along(q, step, slopes)
+        kept = _greatest(way * (self._slopes(rows, at, curve)[most] - slopes)) <= 0.0
+        if not kept.all():
+            kept |= _passed(rows, at, curve, slopes, way).any(axis=0)
+        line = np.where(kept, q, inf), curve[2], way * np.maximum(way * slopes[0], way * slopes[2])
+        return line, ~kept | (room * abs(step) > LOOSE * q)
 
-    def _resolved(self, limits: SweptLimits, at: tuple[int, int], q: Array, slope: Array, most: int) -> Array:
-        """Whether the slope follows from no load of masses, or changes so slowly that a cell's places tell it, (k,)."""
-        if self.task.masses is None:
-            return np.ones(q.shape, dtype=bool)
-        own, beside = (self.slopes_by_loads(limits, at, one)[most] for one in (q, q * (1.0 + NEARBY)))
-        changes = np.abs(beside - own) * self.step[at[0]]
-        return np.asarray(~np.isfinite(own) | (own != slope) | (changes <= RESOLVED * NEARBY * q))
+    def _resting(self, rows: LimitRows, way: int, count: int) -> Line:
+        """Lines near which motions at each limit go on, however light the machine, (j, n, k) each.
 
-    def slopes(self, limits: SweptLimits, at: tuple[int, int], q: Array) -> tuple[Array, Array]:
-        """The least and the greatest q' that all limits allow at a place of a cell, (k,); crossed without any."""
-        asked, speed, known = self.asked, self.task.speed_rad_s, self.known
-        most = 2.0 * asked.steepness * (q + np.sqrt(q)) if asked.steepness < inf else np.full(q.shape, inf)
-        least = -most
-        if asked.acceleration_mm_s2 < inf:
-            first, bend = float(known.first[at]), float(known.second[at])
-            if abs(first) > STANDING * self.task.linkage.stroke_mm:
-                peak = (1.0 + ROUNDING) * asked.acceleration_mm_s2 / speed**2
-                ends = 2.0 * (peak - bend * q) / first, 2.0 * (-peak - bend * q) / first
-                least, most = np.maximum(least, np.minimum(*ends)), np.minimum(most, np.maximum(*ends))
-        lower, upper = self.slopes_by_loads(limits, at, q)
-        return np.maximum(least, lower), np.minimum(most, upper)
-
-    def slopes_by_loads(self, limits: SweptLimits, at: tuple[int, int], q: Array) -> tuple[Array, Array]:
-        """The same that power, braking power and flank load allow, (k,) each."""
-        asked, speed, known = self.asked, self.task.speed_rad_s, self.known
-        s, least = np.sqrt(q), np.full(q.shape, -inf)
-        torque = known.static[at] + speed**2 * known.by_q[at] * q
-        # Each bound takes the size of the flywheel's range that bounds least
-        half = speed**2 * (known.by_rate[at] + 1e-3 * limits.flywheel_kg_mm2) / 2.0
-        massless = half[1] <= 0.0
-        spare = 1000.0 * limits.power_w / (speed * s) - torque
-        # Without masses the power is a limit of q, which cells have
-        most = np.where(massless, inf, _over(spare, half))
-        if asked.braking_w < inf:
-            spare = 1000.0 * asked.braking_w / (speed * s) + torque
-            least = np.where(massless, -inf, -_over(spare, half))
-        if not np.isfinite(limits.flank_load_n_mm).any():
-            return least, most
-        for sign, angle in zip((1.0, -1.0), self.angles, strict=True):
-            upper, lower = self._of_flanks(limits.flank_load_n_mm, sign * torque, half, s, angle)
-            if sign < 0.0:
-                upper, lower = -lower, -upper
-            least, most = np.maximum(least, lower), np.minimum(most, upper)
-        return least, most
-
-    def _of_flanks(self, load: Array, torque: Array, half: Array, s: Array, angle: float) -> tuple[Array, Array]:
-        """The bounds of q' by the flank load H of flanks that a positive torque presses; infinite without a bound.
-
-        M (1 + s)^3 <= H (s cos(alpha) + q' sin(alpha)/(2 (1 + s))), with M = ``torque`` + ``half`` q'.
+        A motion below its start in a cell does not pass it.
         """
-        cube = (1.0 + s) ** 3
-        spare = load * s * cos(angle) - torque * cube
-        share = half * cube - load * sin(angle) / (2.0 * (1.0 + s))
-        upper = np.where(share[0] > 0.0, _over(spare, share), inf)
-        lower = np.where(share[1] < 0.0, -_over(spare, -share[::-1]), -inf)
-        free = ~np.isfinite(load)
-        return np.where(free, inf, upper), np.where(free, -inf, lower)
+        at = np.arange(self.step.size), np.arange(3)[::way, None]
+        step, shares = way * self.step[:, None], SHARES[..., None]
+        level = self._level(rows, at, np.zeros((rows.level.shape[0], 1, self.step.size, count)))
+        slope = (level[:, 2:] - level[:, :1]) / step
+        level = self._level(rows, at, slope) - shares * step * slope
+        start = _greatest(np.moveaxis(level, 1, 0))[:, None] * (1.0 + ROUNDING)
+        passed = _passed(rows, at, start + shares * step * slope, slope, way)
+        start, slope = start[:, 0], slope[:, 0]
+        return np.where(passed, start, inf), start + step * slope, slope
+
+    def _level(self, rows: LimitRows, at: Place, slope: Array) -> Array:
+        """The least q up to the greatest one from which on a limit stops a slope, (j, 3, n, k); nan without any."""
+        high, floor = np.full((slope.shape[0], 3, *slope.shape[2:]), self._cap), self._floor
+        above = _excess(rows, at, high, slope)
+        going, low, below = above <= 0.0, np.full(high.shape, np.nan), np.full(high.shape, np.nan)
+        for q in np.geomspace(self._cap, floor, SCANNED)[1:]:
+            value = _excess(rows, at, np.full(high.shape[1:], q), slope)
+            stops = going & (value > 0.0)
+            low[stops], below[stops] = q, value[stops]
+            going &= ~stops
+            high[going], above[going] = q, value[going]
+        # Below the floor no motion is possible
+        found = _root(lambda q: _excess(rows, at, q, slope), (low, below), (high, above))
+        return np.where(going, floor, np.where(np.isfinite(low), found, np.nan))
+
+    def _falling(self, rows: LimitRows, cell: int, q: Array, reached: Array, way: int) -> Line:
+        """Lines from above the motions at each limit towards them, (j, k) each."""
+        at, end = (cell, slice(None, None, way)), (cell, 1 + way)
+        step = way * self.step[cell]
+
+        def excess(other: Array) -> Array:
+            return _excess(rows, end, other, (other - q) / step)
+
+        low, high = np.where(reached < q, reached, self._floor), np.broadcast_to(q, reached.shape)
+        slope = ((_root(excess, (low, excess(low)), (high, excess(high))) - q) / step)[:, None]
+        start = high[:, None]
+        for _ in range(2):
+            own, beside = (
+                _excess(rows, at, one + SHARES * step * slope, slope) for one in (start, start * (1.0 + NEARBY))
+            )
+            raised = np.maximum(_greatest(np.moveaxis(own / (own - beside), 1, 0)), 0.0)[:, None]
+            start = start * (1.0 + 1.1 * NEARBY * raised)
+        passed = _passed(rows, at, start + SHARES * step * slope, slope, way)
+        start, slope = start[:, 0], slope[:, 0]
+        return np.where(passed, start, inf), start + step * slope, slope
+
+    def slopes(self, limits: SweptLimits, at: Place, q: Array) -> tuple[Array, Array]:
+        """The least and the greatest q' that all limits allow at places of cells, (..., k); crossed without any."""
+        return self._slopes(self._rows(limits), at, q)
+
+    def _slopes(self, rows: LimitRows, at: Place, q: Array) -> tuple[Array, Array]:
+        steepness = self.asked.steepness
+        most = 2.0 * steepness * (q + np.sqrt(q)) if steepness < inf else np.full(q.shape, inf)
+        spare, (low, high) = _left(rows, at, q)
+        upper = np.where((low >= 0.0) & (high > 0.0), _over(spare, (low, high)), inf)
+        lower = np.where((high <= 0.0) & (low < 0.0), -_over(spare, (-high, -low)), -inf)
+        return np.maximum(-most, lower.max(axis=0, initial=-inf)), np.minimum(most, upper.min(axis=0, initial=inf))
+
+    def _rows(self, limits: SweptLimits) -> LimitRows:
+        """The limits of acceleration, power, braking power and flank load that are given."""
+        asked, known, half = self.asked, self.known, self.task.speed_rad_s**2 / 2.0
+        still = np.abs(known.first) <= STANDING * self.task.linkage.stroke_mm
+        felt = np.stack([known.static, 2.0 * half * known.by_q, half * known.by_rate])
+        pushed = np.stack([np.zeros(known.first.shape), known.second, np.where(still, 0.0, known.first) / 2.0])
+        wheel, count = 1e-3 * half * limits.flywheel_kg_mm2, limits.count
+        nothing = np.zeros((2, count))
+        found: list[tuple[int, bool, bool, Array, Array, Array, Array]] = []
+        if asked.acceleration_mm_s2 < inf:
+            peak = np.full(count, (1.0 + ROUNDING) * asked.acceleration_mm_s2 / (2.0 * half))
+            found += [(sign, False, False, peak, nothing[0], nothing, pushed) for sign in (1, -1)]
+        for sign, power_w in ((1, limits.power_w), (-1, np.full(count, asked.braking_w))):
+            if np.isfinite(power_w).any():
+                found.append((sign, False, True, 1000.0 * power_w / self.task.speed_rad_s, nothing[0], wheel, felt))
+        if np.isfinite(limits.flank_load_n_mm).all():
+            for sign, angle in zip((1, -1), self.angles, strict=True):
+                across, along = limits.flank_load_n_mm * cos(angle), sign * limits.flank_load_n_mm * sin(angle) / 2.0
+                found.append((sign, True, False, across, along, wheel, felt))
+        rows = len(found)
+        return LimitRows(
+            np.array([one[1] for one in found]).reshape(rows, 1),
+            np.array([one[2] for one in found]).reshape(rows, 1),
+            np.array([one[3] for one in found]).reshape(rows, count),
+            np.array([one[4] for one in found]).reshape(rows, count),
+            np.array([one[0] * one[5][:: one[0]] for one in found]).reshape(rows, 2, count).swapaxes(0, 1),
+            np.array([one[0] * one[6] for one in found]).reshape(rows, *felt.shape).swapaxes(0, 1),
+        )
 
     def _without_masses(self, limits: SweptLimits) -> Array:
         """The greatest q in each cell that the power lets be without masses, shape (n, k); infinite with them."""
@@ -279,17 +361,89 @@ class Sweeps:
 
     def _shortest(self, curve: Array, lines: Array, highest: Array) -> Array:
         """The least time in each cell: motions stay below the lines from both ends, and 1/sqrt is convex."""
-        step, begin, end = self.step[:, None], curve[:-1], curve[1:]
-        forward, backward = lines
-        place = (end - begin - backward * step) / (forward - backward)
+        step = self.step[:, None]
+        (begin, forward), (end, backward) = lines
+        place = (end - backward * step - begin) / (forward - backward)
         place = np.clip(np.where(np.isfinite(place), place, step), 0.0, step)
-        apex = begin + forward * place
-        mean = ((begin + apex) * place + (apex + end) * (step - place)) / (2.0 * step)
-        most = np.minimum(1.0 / self.asked.ratio_min**2, highest)
-        return np.asarray(step / np.sqrt(np.where(np.isfinite(mean), np.minimum(mean, most), most)))
+        first, apex, last = (
+            np.minimum(begin + forward * at, end + backward * (at - step)) for at in (np.zeros_like(step), place, step)
+        )
+        mean = ((first + apex) * place + (apex + last) * (step - place)) / (2.0 * step)
+        return np.asarray(step / np.sqrt(np.minimum(mean, np.minimum(self._cap, highest))))
 
 
-def _over(value: Array, divisor: Array) -> Array:
+def _along(start: Array, step: Array, slopes: Array) -> Array:
+    """Values along a cell from a start, with slopes at three places that are linear between its ends, (3, k)."""
+    return np.asarray(np.maximum(start + step * SHARES * (slopes[0] + slopes) / 2.0, 1e-9))
+
+
+def _left(rows: LimitRows, at: Place, q: Array) -> tuple[Array, Array]:
+    """What each limit leaves at places for values of q, and its shares of q', (j, ..., k) and (2, j, ..., k).
+
+    A slope keeps a limit where its share times q' is not over what is left, for one size of the flywheel's range.  A
+    flank load H asks M (1 + s)^3 <= H (s cos(alpha) + q' sin(alpha)/(2 (1 + s))).
+    """
+    static, by_q, half = rows.felt[(slice(None), slice(None), *at)][..., None]
+    between = (1,) * (static.ndim - 2)
+
+    def wide(one: Array) -> Array:
+        return one.reshape(*one.shape[:-1], *between, one.shape[-1])
+
+    s, flank = np.sqrt(q), wide(rows.flank)
+    near = 1.0 + s
+    weight = np.where(flank, near * near * near, np.where(wide(rows.power), s, 1.0))
+    spare = wide(rows.level) * np.where(flank, s, 1.0) - (static + by_q * q) * weight
+    return spare, (half + wide(rows.wheel)) * weight - wide(rows.tilt) / near
+
+
+def _excess(rows: LimitRows, at: Place, q: Array, slope: Array) -> Array:
+    """What each limit leaves beside a slope, (j, ..., k)."""
+    spare, share = _left(rows, at, q)
+    return np.maximum(spare - share[0] * slope, spare - share[1] * slope)
+
+
+def _passed(rows: LimitRows, at: Place, q: Array, slope: Array, way: int) -> Array:
+    """Whether each limit lets no motion pass a line upwards, by values at three places, (j, ..., k) each."""
+    spare, share = _left(rows, at, q)
+    excess = np.maximum(spare - share[0] * slope, spare - share[1] * slope)
+    return np.asarray((_greatest(np.moveaxis(excess, 1, 0)) <= 0.0) & np.all(way * share >= 0.0, axis=(0, 2)))
+
+
+def _lowest(line: Line, others: Line) -> Line:
+    """Of a line, (k,) each, and others, (j, k), those with the lowest end that have a finite start."""
+    start, end, slope = (np.vstack([own, other]) for own, other in zip(line, others, strict=True))
+    best = np.argmin(np.where(start < inf, end, inf), axis=0), np.arange(start.shape[1])
+    return start[best], end[best], slope[best]
+
+
+def _greatest(values: Array) -> Array:
+    """The greatest value over a cell of a function known at three places, (3, ...), with twice the bend they show."""
+    first, middle, last = values
+    bend = 2.0 * np.abs(middle - (first + last) / 2.0)
+    rise = last - first
+    vertex = (first + last) / 2.0 + bend + rise**2 / (16.0 * bend)
+    return np.where(np.abs(rise) < 4.0 * bend, vertex, np.maximum(first, last))
+
+
+def _root(function: Callable[[Array], Array], low: tuple[Array, Array], high: tuple[Array, Array]) -> Array:
+    """Places near roots, not below them, of functions positive at ``low`` and negative at ``high``, by false position.
+
+    Each end has its values.
+    """
+    (left, below), (right, above) = low, high
+    side = np.zeros(left.shape)
+    for _ in range(5):
+        middle = left + (right - left) * below / (below - above)
+        value = function(middle)
+        over = value <= 0.0
+        # An end that stays counts half
+        left, below = np.where(over, left, middle), np.where(over, np.where(side > 0.0, below / 2.0, below), value)
+        right, above = np.where(over, middle, right), np.where(over, value, np.where(side < 0.0, above / 2.0, above))
+        side = np.where(over, 1.0, -1.0)
+    return right
+
+
+def _over(value: Array, divisor: tuple[Array, Array]) -> Array:
     """The greatest quotient of a value and positive divisors of a range, (2, k): the least if it is positive."""
     return np.asarray(np.where(value >= 0.0, value / divisor[0], value / divisor[1]))
 
