@@ -1,4 +1,4 @@
-"""Twenty wishes for whole machines, each by one command.  Writes benchmarks/whole_machines.md.
+"""Wishes for whole machines, each by one command.  Writes benchmarks/whole_machines.md.
 
 Run as ``python benchmarks/whole_machines.py`` or with names of wishes to run these alone; the others keep their rows.
 Needs the extra ``optimize``.  Every machine that is found is rated anew from its file by ``ncgear check`` and ``ncgear
@@ -69,6 +69,13 @@ WISHES: dict[str, tuple[Path, Mapping[str, Any]]] = {
     "baler, a low cap of power": (MACHINES / "baler.yaml", {"optimize.limits.peak_power_w": 1200}),
     "baler of a template": (MACHINES / "baler.yaml", {}),
     "baler-real": (ROOT / "designs" / "baler-real.yaml", {}),
+    "baler-holds, its power and acceleration": (
+        ROOT / "designs" / "baler-holds.yaml",
+        {
+            "gears.backlash_mm": 0.05,
+            "optimize": {"limits": {"peak_power_w": 10855, "peak_acceleration_mm_s2": 19143, "pressure_angle_deg": 60}},
+        },
+    ),
     "baler with a free flywheel": (
         ROOT / "designs" / "baler-flywheel.yaml",
         {"optimize.driven_flywheel_kg_mm2": {"most": 150e6}},

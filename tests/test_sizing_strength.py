@@ -133,6 +133,19 @@ def test_gears_that_are_accepted_with_more_teeth_only_lead_there(pretend: list[i
 
 
 @pytest.mark.thorough
+def test_as_many_sizes_are_computed_again_where_none_is_accepted(pretend: list[int]) -> None:
+    """Of three that may be computed none is accepted, the fourth is."""
+    seen = list[Sized]()
+
+    def accepted(one: Sized) -> Accepted:
+        seen.append(one)
+        return Accepted.YES if len(seen) > 3 else Accepted.NO
+
+    found = smallest_accepted(drive_of_text(TEXT), GearRoom(), accepted, 3, lambda done, most: None)
+    assert found is seen[3]
+
+
+@pytest.mark.thorough
 def test_no_number_of_teeth_beside_the_smallest_accepted_gears_is_smaller(pretend: list[int]) -> None:
     """Of their module, by more than guesses of the width are off; steps of 6 % alone would leave 8 %."""
     room = GearRoom(modules_mm=(1.25,), fewest_teeth=40)

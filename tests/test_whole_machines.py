@@ -36,6 +36,7 @@ from ncgear.whole_machines.pareto import far_apart, recommended, undominated
 from ncgear.whole_machines.search import MachineSearch
 
 PUSHER = (DESIGNS / "pusher.yaml").read_text(encoding="utf-8")
+TEMPLATE = DESIGNS.parent / "src" / "ncgear" / "design" / "templates" / "choices.yaml"
 
 
 @cache
@@ -141,6 +142,14 @@ def test_wrong_choices_are_refused_with_file_line_and_key(choices: str, said: st
     line = len(PUSHER.splitlines()) + 2
     assert f"wish.yaml:{line}:" in str(refused.value)
     assert said in str(refused.value)
+
+
+def test_every_choice_that_a_new_file_offers_in_a_comment_can_be_taken() -> None:
+    text = TEMPLATE.read_text(encoding="utf-8")
+    offered = [line.strip().removeprefix("# ") for line in text.splitlines() if line.startswith("  # ")]
+    assert len(offered) == 5
+    for line in offered:
+        assert parsed(f"{PUSHER}\nchoices:\n  {line}\n", Path("wish.yaml")).design.choices is not None
 
 
 def test_what_is_not_offered_is_refused_by_its_key() -> None:

@@ -300,7 +300,7 @@ def smallest_accepted(
 ) -> Sized | None:
     """The smallest gears that hold and are accepted, among a number that is computed; None where there are none.
 
-    Where gears have too few teeth, no gears of the same or a smaller module with less than ``FINER_BY`` times as many
+    Where there are none, as many are computed again, by the guesses that those computed allow.  Where gears have too few teeth, no gears of the same or a smaller module with less than ``FINER_BY`` times as many
     teeth are tried any more.
 
     Sizes are tried in the order of the volume that all computed gears suggest, until no other size is guessed to need
@@ -308,7 +308,11 @@ def smallest_accepted(
     rated either.
     """
     search = _Search(drive, space, on_trial, [_begun(drive, any_size=True)], most=most_computed)
-    return search.smallest_of_all(accepted)
+    found = search.smallest_of_all(accepted)
+    if found is None:
+        search.most = search.trials + most_computed
+        found = search.smallest_of_all(accepted)
+    return found
 
 
 def _begun(drive: Drive, *, any_size: bool = False) -> Sized:
