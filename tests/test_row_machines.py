@@ -21,9 +21,10 @@ from ncgear.design.reading.design_file import load, load_train, parsed
 from ncgear.design.rewritten import design_copy
 from ncgear.drawings.scene.geared_pairs import SceneGear
 from ncgear.drawings.scene.scene import scene_of_teeth
-from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.errors import NoSuchMechanism, WrongInput, located
 from ncgear.figures.advice.values import Kind
 from ncgear.figures.advice.verdict import KnownParts, State
+from ncgear.figures.assembly import assembly_of
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import bridging_helix
@@ -113,6 +114,25 @@ def test_an_idler_is_one_gear_in_both_its_meshes_and_all_teeth_touch(idlers: str
             driven, driving = seen(before.driven, shafts), seen(after.driving, shafts)
             assert driven.symmetric_difference(driving).area < 2e-4 * driven.length
             assert driven.hausdorff_distance(driving) < 2.0 * made(idlers).by_stage[0].chord_tolerance_mm
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("idlers", [BENT, "{lobes: [2], bends_deg: [35]}"])
+def test_the_pairs_of_a_row_are_put_together_by_their_assembly_files(idlers: str) -> None:
+    """An idler of one pair covers that of the next, and teeth in mesh touch, where the files say that they stand."""
+    before: Polygon | None = None
+    for pair in made(idlers).by_stage:
+        told = assembly_of(pair)["row"]
+        gears = []
+        for gear in Gear:
+            points = pair.teeth.of(gear).outline_mm @ np.array([1.0, -1.0j if told["seen_from_behind"] else 1.0j])
+            points = points * np.exp(1j * told["direction_rad"]) + complex(*told[f"{gear.value}_axis_mm"])
+            gears.append(Polygon(np.column_stack([points.real, points.imag])))
+        assert gears[0].intersection(gears[1]).area < 1e-3
+        assert gears[0].distance(gears[1]) < 0.01
+        if before is not None:
+            assert before.hausdorff_distance(gears[0]) < 2.0 * pair.chord_tolerance_mm
+        before = gears[1]
 
 
 @pytest.mark.slow
@@ -224,6 +244,15 @@ def test_faults_of_a_chain_have_their_places(tmp_path: Path, old: str, new: str,
     with pytest.raises(WrongInput, match=said) as wrong:
         load(file)
     assert f"chain.yaml:{line}:" in str(wrong.value)
+
+
+def test_refusals_of_a_chain_name_the_keys_of_its_file() -> None:
+    loaded = load(DESIGNS / "idler-chain.yaml")
+    for key, name in (("gears.idlers", "train.lobes"), ("gears.teeth", "train.gears.teeth"), ("name", "name")):
+        with pytest.raises(WrongInput) as wrong, located(loaded.source):
+            raise WrongInput("refused", key=key)
+        assert wrong.value.key == name
+        assert f"idler-chain.yaml:{ {'name': 2, 'train.lobes': 6}.get(name, 11) }:" in str(wrong.value)
 
 
 @pytest.mark.parametrize(

@@ -173,11 +173,14 @@ def test_wrong_masses_are_refused_at_their_line(run: Run, block: str, key: str, 
     assert not Path("export").exists()
 
 
-def test_two_stages_are_refused(run: Run) -> None:
+@pytest.mark.parametrize("level", ["quasi_static", "dynamic"])
+def test_two_stages_have_the_rigid_level_only(run: Run, level: str) -> None:
     motion = "motion: {law: harmonic_ratio, cosine: [0.1], sine: [0.0], second_stage: {cosine: [0.1], sine: [0.0]}}"
-    status, _, err = run(HEAD.replace("motion: {law: ellipse, eccentricity: 0.3}", motion) + MASSES)
+    status, _, err = run(
+        HEAD.replace("motion: {law: ellipse, eccentricity: 0.3}", motion) + GEARS + MASSES, "--level", level
+    )
     assert status == 2
-    assert "motion.second_stage: two pairs of gears" in err
+    assert "motion.second_stage: two pairs of gears; these forces are computed of one" in err
 
 
 def test_flanks_that_cannot_push_are_refused(run: Run) -> None:

@@ -44,8 +44,8 @@ class Loads:
     ``driving_torque`` is the torque on the driving shaft, ``driven_torque`` that on the driven gear.  ``joints`` are
     the forces between the bodies of the mechanism, by its names for them and on the body nearer to the slider;
     ``crank_bearing`` acts on the crank shaft, ``guide`` on the slider across its line, the mesh force on the driven
-    gear.  The driving shaft's bearings exert the same force as the mesh.  Without gears (``mesh`` None) the crank's
-    bearing holds the mechanism alone.
+    gear that turns the crank.  The driving shaft's bearings exert the same force as the mesh, or as ``first_mesh``, the
+    mesh of the first of two pairs.  Without gears (``mesh`` None) the crank's bearing holds the mechanism alone.
     """
 
     driving_torque: Jet
@@ -54,6 +54,12 @@ class Loads:
     crank_bearing: Vector
     guide: Jet
     mesh: MeshForce | None
+    first_mesh: MeshForce | None = None
+
+    @property
+    def between_bearing(self) -> Vector | None:
+        """The force of its bearings on the shaft between two pairs of gears; None without one."""
+        return None if self.first_mesh is None else self.mesh_force.force - self.first_mesh.force
 
     @property
     def mesh_force(self) -> MeshForce:
@@ -66,9 +72,10 @@ class Loads:
 class RigidMachine:
     """A machine at constant driving speed with all that its design gives: all commands use this loaded machine.
 
-    ``place`` is the arrangement of its gears, None without gears.  ``guide_friction`` is the coefficient of friction
-    between the slider and its guide.  ``between`` is the angle of the shaft between two pairs of gears over the driving
-    angle, None for a single pair.  Computing loads raises NoSuchMechanism where the slider jams in its guide.
+    ``place`` is the arrangement of its gears, None without gears; of two pairs in series that of the last, beside
+    ``first_place``.  ``guide_friction`` is the coefficient of friction between the slider and its guide.  ``between``
+    is the angle of the shaft between two pairs of gears over the driving angle, None for a single pair and where that
+    shaft turns as the driving shaft.  Computing loads raises NoSuchMechanism where the slider jams in its guide.
     """
 
     machine: Machine
@@ -76,6 +83,7 @@ class RigidMachine:
     place: MeshPlace | None = None
     guide_friction: float = 0.0
     between: Transmission | None = None
+    first_place: MeshPlace | None = None
 
     def loads(
         self, phi1: Array, driven_angle: Jet, resistance_n: Jet, returning: Mask, of_law: Jet | None = None
@@ -88,14 +96,16 @@ class RigidMachine:
         pace = EvenPace(self.machine.speed_rad_s)
         joints = self._joints(driven_angle, pace, resistance_n, returning)
         slope, torque = (of_law or driven_angle).differentiated(), joints.torque_n_mm
-        mesh = None if self.place is None else mesh_force(self.place, slope, torque)
+        driving = slope.truncated(torque.order) * torque + self._of_shaft_between(phi1, pace, torque.order)
+        mesh, first_mesh = self._meshes(phi1, slope, torque, driving)
         return Loads(
-            driving_torque=slope.truncated(torque.order) * torque + self._of_shaft_between(phi1, pace, torque.order),
+            driving_torque=driving,
             driven_torque=torque,
             joints=joints.joints,
             crank_bearing=joints.crank_axis if mesh is None else joints.crank_axis - mesh.force,
             guide=joints.guide_n,
             mesh=mesh,
+            first_mesh=first_mesh,
         )
 
     def at(self, phi1: Array, beyond: Array | None = None) -> Loads:
@@ -185,6 +195,21 @@ class RigidMachine:
             f"{floor(1e4 * slides) / 1e4:.4g}, is right",
             key="drivetrain.guide_friction",
         )
+
+    def _meshes(
+        self, phi1: Array, slope: Jet, torque: Jet, driving_torque: Jet
+    ) -> tuple[MeshForce | None, MeshForce | None]:
+        """The mesh that turns the crank and, of two pairs, the first; ``slope`` is that of the crank's angle."""
+        if self.place is None:
+            return None, None
+        if self.first_place is None:
+            return mesh_force(self.place, slope, torque), None
+        first = slope * 0.0 + 1.0
+        if self.between is not None:
+            first = self.between.driven_angle(phi1, slope.order + 1).differentiated()
+        speed = first.truncated(torque.order)
+        last = mesh_force(self.place, slope / first, torque, speed)
+        return last, mesh_force(self.first_place, first, driving_torque / speed)
 
     def _of_shaft_between(self, phi1: Array, pace: EvenPace, order: int) -> Jet | float:
         """Torque on the driving shaft for the uneven turning of the shaft between two pairs, in N mm."""

@@ -28,7 +28,8 @@ class MeshPlace:
 
     ``driving_axis_rad`` is the direction from the crank's axis to the driving gear's, in the frame of the mechanism,
     counter-clockwise from the slider's line.  ``idle_angle_rad`` is the rack's angle of the flanks that hold the driven
-    gear back, None where it equals that of the pushing flanks.
+    gear back, None where it equals that of the pushing flanks.  ``driven_sense`` is the sense in which the driven gear
+    turns; the crank turns clockwise, -1.
     """
 
     center_distance_mm: float
@@ -36,6 +37,7 @@ class MeshPlace:
     mesh: Mesh
     driving_axis_rad: float
     idle_angle_rad: float | None = None
+    driven_sense: float = -1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,17 +54,18 @@ class MeshForce:
     pressure_angle_rad: Jet
 
 
-def mesh_force(place: MeshPlace, slope: Jet, torque_n_mm: Jet) -> MeshForce:
+def mesh_force(place: MeshPlace, slope: Jet, torque_n_mm: Jet, speed: Jet | float = 1.0) -> MeshForce:
     """The force for a torque on the driven gear, in its sense of turning.
 
-    ``slope`` is dphi2/dphi1 with one derivative more than the torque.  Where the torque is 0, the pressure angle is
-    that of the pushing flanks.
+    ``slope`` is dphi2/dphi1 with one derivative more than the torque; ``speed`` is that of the pair's own driving gear
+    over that of the shaft by whose angle jets are taken, as of the second of two pairs.  Where the torque is 0, the
+    pressure angle is that of the pushing flanks.
     """
     side = np.where(torque_n_mm.value < 0.0, -1.0, 1.0)
     radius = shape.radius(slope, Gear.DRIVEN, place.mesh).truncated(torque_n_mm.order) * place.center_distance_mm
     idle = place.rack_angle_rad if place.idle_angle_rad is None else place.idle_angle_rad
     rack = np.where(side > 0.0, place.rack_angle_rad, idle)
-    angle = rack - jet.arctan(shape.tangent_slope(slope, place.mesh)) * side
+    angle = rack - jet.arctan(shape.tangent_slope(slope, place.mesh) / speed) * side
     sine, cosine = jet.sin_cos(angle)
     size = torque_n_mm * side / (radius * cosine)
     turning, apart = _directions(place)
@@ -72,7 +75,8 @@ def mesh_force(place: MeshPlace, slope: Jet, torque_n_mm: Jet) -> MeshForce:
 def _directions(place: MeshPlace) -> tuple[Vector, Vector]:
     """Unit vectors at the pitch point: as the driven gear moves there, and away from the driving axis.
 
-    The crank turns clockwise; the pitch point lies towards the driving axis, or beyond it on a ring.
+    The pitch point lies towards the driving axis, or beyond it on a ring.
     """
     towards = Vector(cos(place.driving_axis_rad), sin(place.driving_axis_rad))
-    return Vector(towards.y, -towards.x), towards * place.mesh.sense
+    turning = Vector(-towards.y * place.driven_sense, towards.x * place.driven_sense)
+    return turning, towards * place.mesh.sense

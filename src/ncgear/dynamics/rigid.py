@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from math import degrees, pi
+from operator import attrgetter
 
 import numpy as np
 
@@ -23,29 +24,40 @@ from ncgear.dynamics.loaded_machine import (
     largest_over,
     range_over,
 )
-from ncgear.dynamics.mesh_force import MeshPlace
+from ncgear.dynamics.mesh_force import MeshForce, MeshPlace
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import stretches
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum, extremes, grid_between
+from ncgear.numerics.jet import Jet
 from ncgear.numerics.plane import Vector
 from ncgear.numerics.units import in_words
+
+MeshOf = Callable[[Loads], MeshForce]
+"""One of the meshes of a machine's loads."""
+
+_mesh: MeshOf = attrgetter("mesh_force")
+_first_mesh: MeshOf = attrgetter("first_mesh")
 
 
 def refuse_locked(rigid: RigidMachine) -> None:
     """Raises NoSuchMechanism, with the driving angle, where flanks carry at a pressure angle of 90 degrees or more."""
-    for stretch in stretches(rigid.machine) if rigid.place else ():
+    meshes = [(_mesh, attrgetter("driven_torque"))] if rigid.place else []
+    if rigid.first_place:
+        meshes.append((_first_mesh, attrgetter("driving_torque")))
+    for stretch in stretches(rigid.machine):
         breaks = rigid.breaks(stretch)
-        steepest = extremes(
-            partial(along, rigid, stretch, lambda loads: loads.mesh_force.pressure_angle_rad),
-            stretch.start_rad,
-            stretch.end_rad,
-            breaks,
-        )[1]
-        phi1 = np.append(grid_between(stretch.start_rad, stretch.end_rad, breaks), steepest.at)
-        loads = rigid.on(stretch, phi1)
-        refuse_locked_at(phi1, loads.driven_torque.value, loads.mesh_force.pressure_angle_rad.value)
+        ends = stretch.start_rad, stretch.end_rad
+        for mesh, torque in meshes:
+
+            def angle(loads: Loads, mesh: MeshOf = mesh) -> Jet:
+                return mesh(loads).pressure_angle_rad
+
+            steepest = extremes(partial(along, rigid, stretch, angle), *ends, breaks)[1]
+            phi1 = np.append(grid_between(*ends, breaks), steepest.at)
+            loads = rigid.on(stretch, phi1)
+            refuse_locked_at(phi1, torque(loads).value, angle(loads).value)
 
 
 def refuse_locked_at(phi1_rad: Array, torque: Array, pressure_angle_rad: Array) -> None:
@@ -78,6 +90,8 @@ class LoadPeaks:
     crank_bearing_n: Extremum
     guide_n: Extremum
     mesh: MeshPeak | None
+    first_mesh: MeshPeak | None = None
+    between_bearing_n: Extremum | None = None
 
 
 def load_peaks(rigid: RigidMachine) -> LoadPeaks:
@@ -87,7 +101,11 @@ def load_peaks(rigid: RigidMachine) -> LoadPeaks:
         joints_n={name: largest_over(rigid, cycle, _joint(name)) for name in rigid.machine.linkage.JOINTS},
         crank_bearing_n=largest_over(rigid, cycle, lambda loads: loads.crank_bearing),
         guide_n=largest_over(rigid, cycle, lambda loads: Vector(loads.guide, loads.guide * 0.0)),
-        mesh=None if rigid.place is None else _mesh_peak(rigid, cycle),
+        mesh=None if rigid.place is None else _mesh_peak(rigid, cycle, _mesh),
+        first_mesh=None if rigid.first_place is None else _mesh_peak(rigid, cycle, _first_mesh),
+        between_bearing_n=None
+        if rigid.first_place is None
+        else largest_over(rigid, cycle, attrgetter("between_bearing")),
     )
 
 
@@ -95,10 +113,10 @@ def _joint(name: str) -> Callable[[Loads], Vector]:
     return lambda loads: loads.joints[name]
 
 
-def _mesh_peak(rigid: RigidMachine, cycle: Sequence[Broken]) -> MeshPeak:
-    found = [(part, range_over(rigid, [part], lambda loads: loads.mesh_force.size_n)[1]) for part in cycle]
+def _mesh_peak(rigid: RigidMachine, cycle: Sequence[Broken], mesh: MeshOf) -> MeshPeak:
+    found = [(part, range_over(rigid, [part], lambda loads: mesh(loads).size_n)[1]) for part in cycle]
     (stretch, _), highest = max(found, key=lambda item: item[1].value)
-    angle = rigid.on(stretch, np.array([highest.at])).mesh_force.pressure_angle_rad
+    angle = mesh(rigid.on(stretch, np.array([highest.at]))).pressure_angle_rad
     return MeshPeak(highest, float(angle.value[0]))
 
 
@@ -116,11 +134,11 @@ class Rigid:
         return self.driving.fluctuation
 
 
-def rigid_level(driving: DrivingShaft, place: MeshPlace | None) -> Rigid:
-    """The forces in a machine from its driving shaft and the arrangement of its gears, None without gears.
+def rigid_level(driving: DrivingShaft, place: MeshPlace | None, first_place: MeshPlace | None = None) -> Rigid:
+    """The forces in a machine from its driving shaft and the arrangement of its gears as in ``RigidMachine``.
 
     Raises NoSuchMechanism where its teeth cannot hold the torque.
     """
-    machine = replace(driving.machine, place=place)
+    machine = replace(driving.machine, place=place, first_place=first_place)
     refuse_locked(machine)
     return Rigid(machine, driving, load_peaks(machine))

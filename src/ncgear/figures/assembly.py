@@ -48,7 +48,7 @@ def assembly_of(drive: Drive) -> dict[str, Any]:
         pitch.size.module_mm,
         pitch.mesh,
     )
-    return {**pose, **_crank(drive), **_end_stops(drive)}
+    return {**pose, **_crank(drive), **_end_stops(drive), **_in_row(drive)}
 
 
 def _crank(drive: Drive) -> dict[str, Any]:
@@ -64,6 +64,23 @@ def _crank(drive: Drive) -> dict[str, Any]:
     hole = {"hole": {key: to_size(size_mm, largest) for key, size_mm in asdict(pin).items()}} if pin else {}
     length_mm = to_size(drive.linkage.crank_mm, largest)
     return {"crank": {"direction_rad": rounded(direction, RAD_DECIMALS), "length_mm": length_mm, **hole}}
+
+
+def _in_row(drive: Drive) -> dict[str, Any]:
+    """Where the pair of a row with idlers stands: in the frame of the first pair, seen from behind if every other pair.
+
+    A point p of the pair's frame is at ``axis + exp(i direction) p`` there, from behind with the conjugate of p.
+    """
+    if drive.gears.idlers is None:
+        return {}
+    row, number = drive.whole.row, (drive.stage or 1) - 1
+    axes, direction = row.axes_mm, row.directions_rad[number]
+    sizes = {
+        f"{gear}_axis_mm": [to_size(part, row.pairs[0].center_distance_mm) for part in (axis.real, axis.imag)]
+        for gear, axis in zip(("driving", "driven"), axes[number : number + 2], strict=True)
+    }
+    turned = {"direction_rad": rounded(direction, RAD_DECIMALS), "seen_from_behind": number % 2 == 1}
+    return {"row": {**sizes, **turned}}
 
 
 def _end_stops(drive: Drive) -> dict[str, Any]:

@@ -20,7 +20,7 @@ from ncgear.dynamics.history import CRANK_BEARING, History, parted_s, pushing_pa
 from ncgear.dynamics.level import Level
 from ncgear.dynamics.loaded_machine import Loads
 from ncgear.dynamics.peaks import MotionPeaks, Peak
-from ncgear.dynamics.rigid import LoadPeaks, MeshPeak, Rigid
+from ncgear.dynamics.rigid import LoadPeaks, Rigid
 from ncgear.errors import NoSuchMechanism
 from ncgear.figures.csv_text import load_column, motion_columns
 from ncgear.figures.summary.check_summary import uniform_key
@@ -63,10 +63,14 @@ def _load_columns(linkage: Mechanism, loads: Loads) -> dict[str, Array]:
         **_components(bearing_name(linkage), loads.crank_bearing),
         **({"guide_n": loads.guide.value} if linkage.GUIDED else {}),
     }
-    if loads.mesh is None:
-        return columns
-    mesh = {"mesh_n": loads.mesh.size_n.value, "pressure_angle_rad": loads.mesh.pressure_angle_rad.value}
-    return {**columns, **_components("mesh", loads.mesh.force), **mesh}
+    if loads.mesh is not None:
+        columns |= _components("mesh", loads.mesh.force)
+        columns |= {"mesh_n": loads.mesh.size_n.value, "pressure_angle_rad": loads.mesh.pressure_angle_rad.value}
+    if loads.first_mesh is not None and loads.between_bearing is not None:
+        columns |= _components("first_mesh", loads.first_mesh.force) | _components(
+            "shaft_between_bearing", loads.between_bearing
+        )
+    return columns
 
 
 def _components(name: str, force: Vector) -> dict[str, Array]:
@@ -130,22 +134,24 @@ def force_figures(linkage: Mechanism, peaks: LoadPeaks) -> dict[str, Any]:
     for name, peak in peaks.joints_n.items():
         joints.update(extreme(f"peak_{linkage.JOINTS[name].replace(' ', '_')}_force", "n", peak))
     return {
-        **_mesh(peaks.mesh),
+        **_mesh(peaks),
         **joints,
         **extreme(f"peak_{bearing_name(linkage)}_force", "n", peaks.crank_bearing_n),
         **(extreme("peak_guide_force", "n", peaks.guide_n) if linkage.GUIDED else {}),
     }
 
 
-def _mesh(mesh: MeshPeak | None) -> dict[str, Any]:
-    """The mesh force, which the bearings of the driving shaft bear unchanged; empty for a machine without gears."""
-    if mesh is None:
-        return {}
-    return {
-        **extreme("peak_mesh_force", "n", mesh.force_n),
-        "pressure_angle_at_peak_mesh_force_deg": degrees(mesh.pressure_angle_rad),
-        **extreme(SAME_AS_MESH.removesuffix("_n"), "n", mesh.force_n),
-    }
+def _mesh(peaks: LoadPeaks) -> dict[str, Any]:
+    """The forces of meshes; the bearings of the driving shaft bear the first unchanged; empty without gears."""
+    found = {"mesh": peaks.mesh, "first_mesh": peaks.first_mesh}
+    told = dict[str, Any]()
+    for name, mesh in found.items():
+        if mesh is not None:
+            told |= extreme(f"peak_{name}_force", "n", mesh.force_n)
+            told[f"pressure_angle_at_peak_{name}_force_deg"] = degrees(mesh.pressure_angle_rad)
+    if (first := peaks.first_mesh or peaks.mesh) is not None:
+        told |= extreme(SAME_AS_MESH.removesuffix("_n"), "n", first.force_n)
+    return told | (extreme("peak_shaft_between_bearing_force", "n", one) if (one := peaks.between_bearing_n) else {})
 
 
 def quasi_static_table(drive: Drive, rigid_torque_n_m: Array) -> dict[str, Array]:

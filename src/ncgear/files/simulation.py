@@ -85,17 +85,20 @@ def mesh_forces(drive: Drive, own: Loads, uniform: Loads) -> list[Chart]:
     """Force between the teeth and pressure angle; empty where there are no gears."""
     if own.mesh is None or uniform.mesh is None:
         return []
-    angles = (np.degrees(mesh.pressure_angle_rad.value) for mesh in (own.mesh, uniform.mesh))
-    return [
-        _load_chart(drive, "mesh force", "N", own.mesh.size_n.value, uniform.mesh.size_n.value),
-        replace(_load_chart(drive, "pressure angle", "deg", *angles), names_extreme=False),
-    ]
+    charts, meshes = [], {"": (own.mesh, uniform.mesh)}
+    if own.first_mesh is not None and uniform.first_mesh is not None:
+        meshes = {"first ": (own.first_mesh, uniform.first_mesh), "last ": (own.mesh, uniform.mesh)}
+    for of, both in meshes.items():
+        angles = (np.degrees(mesh.pressure_angle_rad.value) for mesh in both)
+        charts.append(_load_chart(drive, f"{of}mesh force", "N", *(mesh.size_n.value for mesh in both)))
+        charts.append(replace(_load_chart(drive, f"{of}pressure angle", "deg", *angles), names_extreme=False))
+    return charts
 
 
 def drawn_angles_rad(drive: Drive) -> Array:
     """Rising driving angles of the charts of the rigid level, shape (n,): the angles of its table and of its peaks."""
     peaks, torque = drive.rigid.peaks, drive.rigid.driving.torque_range_n_mm
-    mesh = [] if peaks.mesh is None else [peaks.mesh.force_n]
+    mesh = [one.force_n for one in (peaks.mesh, peaks.first_mesh) if one is not None]
     found = [*peaks.joints_n.values(), peaks.crank_bearing_n, peaks.guide_n, *torque, *mesh]
     beside = both_sides_rad([peak.at for peak in found], drive.transmission.cycle_rad)
     return distinct(np.concatenate([drive.motion.phi1_rad, beside]))

@@ -219,6 +219,7 @@ class Drive(Geared):
 
         if self.design.drivetrain is None:
             raise WrongInput("missing; it tells bearings, shafts, motor and more around the gears", key="drivetrain")
+        self.require_pairs(1)
         rigid, knocking, jam = self.rigid, self.knocking, self.jam
         touching = None if self.helix else TouchingTeeth(self.teeth, self.pitch, self.designed_contact)
         with self.stopwatch("drivetrain"):
@@ -283,6 +284,7 @@ class Drive(Geared):
         """
         from ncgear.project.forces import require_possible_stiffness
 
+        self.require_pairs(1)
         require_possible_stiffness(self.design.simulation, self.gears.face_width_mm)
         if self.helix is not None:
             raise WrongInput(

@@ -11,9 +11,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ncgear.design.keys.base import listed
+from ncgear.design.keys.design import MOST_PAIRS_WITH_MASSES
 from ncgear.design.keys.gears import Gears
 from ncgear.design.keys.machine import FINEST_IN_MODULES
 from ncgear.design.mechanisms import entry_of
+from ncgear.design.words import COUNTS
 from ncgear.errors import DesignError, WrongInput
 from ncgear.kinematics.check import KinematicCheck, at_speed, both_sides_rad, load_extremes_rad
 from ncgear.kinematics.motion import Machine, OutputMotion, sample_angles
@@ -537,20 +539,23 @@ class Geared(Moving):
         """The forces in the uniform crank with the same masses."""
         return self._rigid(lambda: self.uniform_driving)
 
-    def require_one_stage(self) -> None:
-        """Raise WrongInput where there are several pairs of gears."""
-        if self.design.stages > 1:
+    def require_pairs(self, most: int) -> None:
+        """Raise WrongInput where there are more pairs of gears."""
+        if self.design.stages > most:
             said, key = self.design.stages_said
-            raise WrongInput(f"{said}; forces are computed of one", key=key)
+            raise WrongInput(f"{said}; these forces are computed of {COUNTS[most]}", key=key)
 
     def _rigid(self, driving: Callable[[], DrivingShaft]) -> Rigid:
         from ncgear.dynamics.rigid import rigid_level
 
-        self.require_one_stage()
-        place = None if self.design.gears is None else mesh_place(self.gears, self.pitch.center_distance_mm)
+        self.require_pairs(MOST_PAIRS_WITH_MASSES)
+        places = []
+        if self.design.gears is not None:
+            places = [mesh_place(self.gears, pair.pitch.center_distance_mm) for pair in self.by_stage]
+        first = replace(places[0], driven_sense=float(-places[-1].mesh.sense)) if places[1:] else None
         shaft = driving()
         with self.stopwatch("forces"):
-            return rigid_level(shaft, place)
+            return rigid_level(shaft, places[-1] if places else None, first)
 
     @computed
     def running(self) -> Running:

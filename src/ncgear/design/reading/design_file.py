@@ -89,9 +89,11 @@ def _as_machine(document: Document, text: str) -> tuple[Document, str]:
     if keys is None:
         return document, text
     data = {"name": file.name, "description": file.description, **keys}
-    places = {key.removeprefix("train."): place for key, place in document.places.items()}
-    places |= {key: places[name] for key, name in file.train.WRITTEN_AS.items() if name in places}
-    return Document(data, places), "".join(f"{key}: {json.dumps(value)}\n" for key, value in data.items())
+    written_as = {key.removeprefix("train."): key for key in document.places if key.startswith("train.")}
+    written_as |= {key: f"train.{name}" for key, name in file.train.WRITTEN_AS.items() if name in written_as}
+    places = {**document.places, **{key: document.places[name] for key, name in written_as.items()}}
+    text = "".join(f"{key}: {json.dumps(value)}\n" for key, value in data.items())
+    return Document(data, places, written_as), text
 
 
 def parsed(text: str, path: Path) -> LoadedDesign:

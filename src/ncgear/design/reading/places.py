@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import field
 from pathlib import Path
 from typing import Any
 
@@ -26,10 +27,14 @@ class FilePlace:
 
 @dataclass(frozen=True)
 class Document:
-    """Plain values of a YAML file, with the place of every key and list item by its dotted path."""
+    """Plain values of a YAML file, with the place of every key and list item by its dotted path.
+
+    ``written_as`` has the keys that the file itself names otherwise, as that of a train read as a machine.
+    """
 
     data: Any
     places: Mapping[str, FilePlace]
+    written_as: Mapping[str, str] = field(default_factory=dict)
 
     def place(self, key: str) -> FilePlace:
         """The place of ``key``, or of its nearest parent in the file."""
@@ -81,9 +86,9 @@ class Source:
 
     def as_written(self, key: str) -> str:
         """``key`` in the spelling of the file: the key of an angle ends in the unit in which it was given."""
-        if key in self.document.places:
-            return key
-        return next((name for name in spellings(quantity(key)) if name in self.document.places), key)
+        if key not in self.document.places:
+            key = next((name for name in spellings(quantity(key)) if name in self.document.places), key)
+        return self.document.written_as.get(key, key)
 
 
 def with_value(data: Any, key: str, value: Any) -> Any:

@@ -29,7 +29,7 @@ AFTER = {
     Level.QUASI_STATIC: "ncgear simulate {file} --level dynamic",
     Level.DYNAMIC: "ncgear strength {file}",
 }
-"""What to run after each level, where the design has gears."""
+"""What to run after each level, where the design has gears; several pairs have the rigid level only."""
 
 COMPARED = (
     "peak_driving_torque_n_m",
@@ -81,6 +81,7 @@ def simulated_answer(drive: Drive, level: Level, figures: Mapping[str, Any], ver
             rows = [one for part in told for one in part]
             rows += [row(key, figures["motion_in_time"][key]) for key in MOVED]
             rows += _not_followed(figures["band_of_stiffness"])
+    after = AFTER[level if drive.design.stages == 1 else Level.DYNAMIC]
     return Answer(
         head_of(drive),
         tuple(rows),
@@ -89,7 +90,7 @@ def simulated_answer(drive: Drive, level: Level, figures: Mapping[str, Any], ver
         heads=heads,
         good=verdict.good,
         not_judged=verdict.not_judged,
-        then=AFTER[level].format(file=file) if drive.design.gears is not None else "",
+        then=after.format(file=file) if drive.design.gears is not None else "",
     )
 
 
