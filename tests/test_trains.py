@@ -31,14 +31,10 @@ from ncgear.trains.loads import PutMass, body_of, loads_of
 from ncgear.trains.path_search import PathLimits, found_motion, pair_figures, segment_distances, tool_mount
 from ncgear.trains.tip_path import TipMotion, WishedPath, missed_mm, motion_from
 from ncgear.trains.train import Part, PinHole, Poses, Train
-from train_cases import GEARS, UNEVEN, NewtonAndEuler, planetary
+from train_cases import GEARS, POINTS, UNEVEN, WISHED, NewtonAndEuler, planetary
 
 pytestmark = pytest.mark.judges("trains")
 
-POINTS = np.array([0.0, -32.0, -60.0, -85.0, -95.0, -80.0, -40.0, 10.0, 20.0, 15.0, 22.0, 24.0]) + 1j * np.array(
-    [0.0, 20.0, 70.0, 130.0, 180.0, 212.0, 225.0, 215.0, 180.0, 130.0, 75.0, 22.0]
-)
-WISHED = WishedPath(POINTS, np.full(POINTS.size, 0.1))
 LIMITS = PathLimits(np.radians(45.0), 28, 300.0)
 
 

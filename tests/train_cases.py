@@ -9,10 +9,16 @@ import numpy as np
 
 from ncgear.design.trains.planetary import Planetary
 from ncgear.trains.loads import PutMass, body_of
+from ncgear.trains.tip_path import WishedPath
 from ncgear.trains.train import Train
 
 GEARS = {"teeth": 18, "module_mm": 2.0, "face_width_mm": 8.0, "backlash_mm": 0.05}
 UNEVEN = [1.3, 1.0, 0.8, 0.9, 1.0, 1.1]
+
+POINTS = np.array([0.0, -32.0, -60.0, -85.0, -95.0, -80.0, -40.0, 10.0, 20.0, 15.0, 22.0, 24.0]) + 1j * np.array(
+    [0.0, 20.0, 70.0, 130.0, 180.0, 212.0, 225.0, 215.0, 180.0, 130.0, 75.0, 22.0]
+)
+WISHED = WishedPath(POINTS, np.full(POINTS.size, 0.1))
 
 
 @cache

@@ -240,6 +240,8 @@ KNOWN = {
     "train.path": "{points_mm: [[0, 0], [-60, 70], [-95, 180], [-40, 225], [20, 180], [22, 75]]}",
     "path.points_mm": "[[0, 0], [-60, 70], [-95, 180], [-40, 225], [20, 180], [22, 75]]",
     "path.tolerances_mm": "[0.1, 0.1, 0.5, 0.5, 0.5, 0.1]",
+    "train.carrier_ratio": "[1.2, 1, 0.8, 1]",
+    "path.pace": "[{from_point: 6, to_point: 1, share: 0.3}]",
     "path.axis_mm": "[0, 250]",
     "path.axis_from_mm": "[-200, 190]",
     "path.axis_to_mm": "[200, 450]",

@@ -142,10 +142,10 @@ def loads_of(train: Train, density_kg_m3: float, put: Sequence[PutMass], gravity
         force -= inertia
         moment -= ((one.center - axis).conj() * inertia).imag + turning
         total += body.kg
-    carrier = poses.angle_rad[train.number(train.driving)]
-    around = np.exp(1j * np.sign(carrier[-1] - carrier[0]) * driving)
-    weight = complex(-np.mean(force * around.conj())) / speed**2
-    left = force + weight * speed**2 * around
+    turned = poses.angle_rad[train.number(train.driving), :-1]
+    pull = -_derivative(np.exp(1j * (turned - turned[0])), 2, train.cycle_rad) * speed**2
+    weight = -complex(np.mean(force * pull.conj()) / np.mean(np.abs(pull) ** 2))
+    left = force + weight * pull
     # kg mm2/s2 are uN m, kg mm/s2 are mN
     return TrainLoads(
         driving, torque / MM_PER_M**2, force / MM_PER_M, moment / MM_PER_M**2, weight, left / MM_PER_M, total
@@ -157,14 +157,14 @@ class TurningLoad:
     """What a body needs about its axis, over evenly spaced driving angles of a cycle and its end, shape (n,) each.
 
     ``turned_rad`` is its turn against the driving part from the first angle on, in its own sense, ``rate`` the
-    derivative by the driving angle.  ``torque_n_m`` in this sense makes it move as it does; of it, ``speeding_n_m``
-    speeds up the inertia ``kg_mm2`` about its axis.
+    derivative by the driving angle.  ``torque_n_m`` in this sense makes it move as it does.  ``even_n_m`` would speed
+    up its inertia ``kg_mm2`` about its axis if the driving part turned evenly.
     """
 
     turned_rad: Array
     rate: Array
     torque_n_m: Array
-    speeding_n_m: Array
+    even_n_m: Array
     kg_mm2: float
 
 
@@ -176,8 +176,10 @@ def turning_load(
     poses = train.poses_at(np.append(_driving(train), train.cycle_rad))
     own, driving = train.number(name), train.number(train.driving)
     axis = poses.places(own)[0][:-1]
-    moment, speeding, about_axis = np.zeros(POSITIONS), np.zeros(POSITIONS), 0.0
-    turns = _moving(train, poses, own, density_kg_m3, ()).spin - _moving(train, poses, driving, density_kg_m3, ()).spin
+    moment, about_axis = np.zeros(POSITIONS), 0.0
+    turning, around = (_moving(train, poses, number, density_kg_m3, ()) for number in (own, driving))
+    rate = turning.spin - around.spin
+    faster = (turning.faster - around.faster - rate / around.spin * around.faster) / around.spin**2
     for number, part in enumerate(train.parts):
         if train.body(part) != train.body(train.part(name)):
             continue
@@ -186,12 +188,12 @@ def turning_load(
         kg_mm2 = body.kg_mm2 + body.kg * float(np.abs(arm[0])) ** 2
         needed = body.kg * (one.acceleration * speed**2 - gravity_mm_s2)
         moment += (arm.conj() * needed).imag + body.kg_mm2 * one.faster * speed**2
-        speeding += kg_mm2 * one.faster * speed**2
         about_axis += kg_mm2
     turned = poses.angle_rad[own] - poses.angle_rad[driving]
     sense = float(np.sign(turned[-1] - turned[0]))
-    rate, torque, of_inertia = (sense * np.append(one, one[0]) for one in (turns, moment, speeding))
-    return TurningLoad(sense * (turned - turned[0]), rate, torque / MM_PER_M**2, of_inertia / MM_PER_M**2, about_axis)
+    even = about_axis * faster * speed**2
+    rate, torque, even = (sense * np.append(one, one[0]) for one in (rate, moment, even))
+    return TurningLoad(sense * (turned - turned[0]), rate, torque / MM_PER_M**2, even / MM_PER_M**2, about_axis)
 
 
 def _derivative(values: ComplexArray, order: int, period: float) -> ComplexArray:

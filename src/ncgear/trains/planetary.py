@@ -257,11 +257,13 @@ def planetary_train(
     tolerance_mm: float,
     sun_turns: float = 0.0,
     stand: Stand = STILL,
+    carrier_rad: OfAngle = lambda driving: driving,
 ) -> Train:
     """The train of ``arms`` chains about one sun, evenly spread, each planet with its arm if there is one.
 
-    ``sun_turns`` are turns of the sun per turn of the carrier: 0 where the sun is fixed.  The driving angle is the
-    carrier's.  With a sun that turns, the cycle is one turn of the carrier against the sun.
+    ``sun_turns`` are turns of the sun per turn of the carrier: 0 where the sun is fixed.  The carrier turns
+    by ``carrier_rad`` of the driving angle, a shaft's that turns evenly.  With a sun that turns, the cycle is one turn
+    of the carrier against the sun.
     """
     parts, meshes, ways = [], [], []
     width, step = bodies.face_width_mm, bodies.face_width_mm + GAP_MM
@@ -270,8 +272,8 @@ def planetary_train(
     against = 1.0 - sun_turns
 
     def chain_rad(driving: Array, number: int) -> tuple[Array, Array]:
-        offset = 2.0 * pi * number / arms
-        return driving + stand.start_rad + offset, against * driving + offset
+        turned, offset = carrier_rad(driving), 2.0 * pi * number / arms
+        return turned + stand.start_rad + offset, against * turned + offset
 
     def way_of(place: complex, angle: OfAngle, number: int) -> Callable[[Array], tuple[Array, Array]]:
         def way(driving: Array) -> tuple[Array, Array]:
@@ -303,7 +305,7 @@ def planetary_train(
             ways.append(way_of(chain.carrier_mm, lambda u: arm.angle_rad - chain.planet_rad(u), number))
             traces.append(Trace(f"path{end}", name, (arm.length_mm, 0.0), arm.wished_mm))
     parts.append(_carrier(chain, arms, bodies, tolerance_mm))
-    ways.append(lambda driving: (np.zeros_like(driving, dtype=complex), driving + stand.start_rad))
+    ways.append(lambda driving: (np.zeros_like(driving, dtype=complex), carrier_rad(driving) + stand.start_rad))
 
     def poses_at(driving_rad: Array) -> Poses:
         found = [way(np.asarray(driving_rad, dtype=float)) for way in ways]

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ncgear.numerics.arrays import ComplexArray
+from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.plane import as_complex
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
@@ -35,8 +35,12 @@ def told_of(
     motion: TipMotion | None,
     forward_mm_s: float,
     loads: TrainLoads | None,
+    pace: Array | None = None,
 ) -> TrainFigures:
-    """Figures and conditions of a train, from the pairs of one arm, the pair of the sun first."""
+    """Figures and conditions of a train, from the pairs of one arm, the pair of the sun first.
+
+    ``pace`` has the speed of the driving shaft over that of the carrier, None where it turns evenly.
+    """
     planets = [number for number, part in enumerate(train.parts) if part.name.startswith("planet")]
     arms, poses = len(planets), train.poses_at(np.zeros(1))
     sun, planet = (complex(poses.places(number)[0][0]) for number in (0, planets[0]))
@@ -66,6 +70,11 @@ def told_of(
         ("ratio of each pair", ratios),
         ("pressure angle", f"{pressure:.4g} deg at most"),
     ]
+    if pace is not None:
+        closed = pace / pace.mean()
+        said = f"the shaft that drives it turns {closed.min():.4g} to {closed.max():.4g} times as fast"
+        rows.append(("pace of the carrier", said))
+        figures["carrier_ratio"] = closed.tolist()
     conditions = [_closing(train)]
     if train.traces:
         path_rows, path_figures, condition = _of_path(train, wished, forward_mm_s)

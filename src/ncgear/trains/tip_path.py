@@ -72,6 +72,10 @@ class WishedPath:
         """The number of a point in messages."""
         return self.named[place] if self.named else place + 1
 
+    def place(self, number: int) -> int:
+        """The place among the points of a point by its number in messages, the first of that number."""
+        return self.named.index(number) if self.named else number - 1
+
     def straightened(self, after: Collection[int]) -> WishedPath:
         """The path with STRAIGHT more points on the straight line from each point of ``after`` to the next one.
 

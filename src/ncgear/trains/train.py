@@ -141,8 +141,9 @@ class Train:
     """Parts, meshes and poses.
 
     ``poses_at`` gives the poses at driving angles in rad, shape (n,).  ``driving`` names the part whose turning is the
-    driving angle, ``speed_rpm`` its speed.  After ``cycle_rad`` all parts stand as at first, but for whole turns or for
-    turns by whole periods of their teeth.  ``tolerance_mm`` is the largest deviation of outlines from the exact curves.
+    driving angle, or which is turned by a shaft whose turning it is; ``speed_rpm`` is its mean speed.  After
+    ``cycle_rad`` all parts stand as at first, but for whole turns or for turns by whole periods of their teeth.
+    ``tolerance_mm`` is the largest deviation of outlines from the exact curves.
     """
 
     parts: tuple[Part, ...]

@@ -11,7 +11,7 @@ from pydantic import Field, Strict
 from ncgear.design.keys.base import Faults, Length, Model, Place, Several, fault, optional, required
 from ncgear.design.trains.base import RatedGears, RatedTrain
 from ncgear.errors import WrongInput, below, renamed
-from ncgear.numerics.units import STANDARD_GRAVITY_M_S2
+from ncgear.numerics.units import RAD_S_PER_RPM, STANDARD_GRAVITY_M_S2
 
 if TYPE_CHECKING:
     from ncgear.numerics.arrays import Array
@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from ncgear.ratio.transmission import Transmission
     from ncgear.teeth.gear import ToothedPair
     from ncgear.trains.loads import PutMass
-    from ncgear.trains.planetary import ArmChain
+    from ncgear.trains.pace import PacedStretch
+    from ncgear.trains.planetary import ArmChain, OfAngle
     from ncgear.trains.tip_path import TipMotion, WishedPath
     from ncgear.trains.train import Train
 
@@ -33,6 +34,21 @@ class ToolAngle(Model):
     point: int = required("number of the point, from 1", ge=1)
     angle_deg: float = required(
         "angle of the tool there in degrees, counter-clockwise from the x axis", ge=-360.0, le=360.0
+    )
+
+
+class PaceKeys(Model):
+    """The pace of the tip on a stretch of its path."""
+
+    RULES = ("at least one of share speed_mm_s",)
+
+    from_point: int = required("number of the point at which the stretch begins, from 1", ge=1)
+    to_point: int = required("number of the point at which it ends, on the way of the tip", ge=1)
+    share: Annotated[float, Field(gt=0.0, lt=1.0)] | None = optional(
+        "share of a turn of the driving shaft that the stretch takes; left out: any"
+    )
+    speed_mm_s: Annotated[float, Field(gt=0.0, le=1e6)] | None = optional(
+        "greatest speed of the tip on it in mm/s; left out: any"
     )
 
 
@@ -50,6 +66,10 @@ class TipPathKeys(Model):
     )
     straight: Several[Annotated[int, Field(ge=1)]] | None = optional(
         "numbers of points from which the tip goes straight to the next one; left out: smooth from point to point"
+    )
+    pace: Several[PaceKeys] | None = optional(
+        "stretches that take their time or are passed slowly; the carrier then turns unevenly, as a pair of gears with "
+        "the found ratio drives it; left out: it turns evenly"
     )
     tool: Several[ToolAngle] | None = optional("angles of the tool at some points; left out: any angle")
     tool_tolerance_deg: Annotated[float, Field(gt=0.0, le=180.0)] = optional(
@@ -86,6 +106,15 @@ class TipPathKeys(Model):
         path = WishedPath(points, tolerances, tools, radians(self.tool_tolerance_deg))
         return path.straightened([one - 1 for one in self.straight]) if self.straight else path
 
+    def stretches(self, wished: WishedPath) -> list[PacedStretch]:
+        """The stretches with their pace."""
+        from ncgear.trains.pace import PacedStretch
+
+        return [
+            PacedStretch(wished.place(one.from_point), wished.place(one.to_point), one.share, one.speed_mm_s)
+            for one in self.pace or ()
+        ]
+
     def _corners_are_apart(self) -> Faults:
         if self.axis_from_mm is not None and self.axis_to_mm is not None:
             for low, high in zip(self.axis_from_mm, self.axis_to_mm, strict=True):
@@ -99,6 +128,11 @@ class TipPathKeys(Model):
         for place, number in enumerate(self.straight or ()):
             if number > len(self.points_mm):
                 yield fault(f"straight.{place}", f"{number} given; 1 to {len(self.points_mm)} are right")
+        for place, pace in enumerate(self.pace or ()):
+            for name in ("from_point", "to_point"):
+                if getattr(pace, name) > len(self.points_mm):
+                    said = f"{getattr(pace, name)} given; 1 to {len(self.points_mm)} are right"
+                    yield fault(f"pace.{place}.{name}", said)
 
 
 class TrainMasses(Model):
@@ -135,6 +169,7 @@ class Planetary(RatedTrain):
         "at most one of path arm_mm",
         "at most one of gears.module_mm gears.center_distance_mm",
         "at most one of resistance masses",
+        "at most one of carrier_ratio path.pace",
     )
     WRITTEN_AS: ClassVar[dict[str, str]] = {
         "operation.speed_rpm": "speed_rpm",
@@ -161,6 +196,10 @@ class Planetary(RatedTrain):
         "speed of the carrier against the sun over the speed of the planet (compound) or idler (shared), at evenly "
         "spaced angles of planet or idler, from 0 on; a common factor closes the turn"
     )
+    carrier_ratio: Annotated[Several[Ratio], Field(min_length=4, max_length=720)] | None = optional(
+        "speed of the driving shaft over that of the carrier, at evenly spaced turns of the carrier, from 0 on; a "
+        "common factor closes the turn; left out: the carrier turns evenly, or as path.pace asks"
+    )
     path: TipPathKeys | None = optional("path of the arm's tip, in place of ratio: arm, carrier and ratio are found")
     arm_mm: Length | None = optional("length of the arm on each planet in mm; left out: no arm, or the path's arm")
     arm_deg: Annotated[float, Field(ge=-360.0, le=360.0)] = optional(
@@ -184,6 +223,10 @@ class Planetary(RatedTrain):
             yield fault("masses", "given, but forces are those about a sun that stands; leave out masses or sun_turns")
         if self.masses is not None and self.masses.tool_kg and self.arm_mm is None and self.path is None:
             yield fault("masses.tool_kg", "given, but there is no arm that carries it; give arm_mm, or leave it out")
+
+    def _a_cycle_is_a_turn(self) -> Faults:
+        if self.carrier_ratio is not None and self.sun_turns != 0.0:
+            yield fault("carrier_ratio", "given, but its turn is the cycle of a sun that stands; leave out one of both")
 
     def _a_path_has_its_gears(self) -> Faults:
         if self.path is None:
@@ -236,16 +279,15 @@ class Planetary(RatedTrain):
         }
 
     def _turning(self, made: Train, masses: TrainMasses) -> dict[str, Any]:
-        """The load of the first planet as keys of a machine; in a row an idler's inertia counts as the planet's."""
+        """The load of the first planet as keys of a machine, with what its idler bears beside an inertia of its own."""
         from ncgear.trains.loads import turning_load
 
         end = "_1" if self.arms > 1 else ""
         put = masses.density_kg_m3, self._tools(made, masses), masses.gravity
         sun, idler, planet = (turning_load(made, name, *put) for name in ("sun", f"idler{end}", f"planet{end}"))
-        torque, inertia = planet.torque_n_m - planet.speeding_n_m, {}
-        if self.idler == "shared":
-            torque = planet.torque_n_m + idler.speeding_n_m * idler.rate / planet.rate
-        else:
+        torque, inertia = planet.torque_n_m + idler.torque_n_m * idler.rate / planet.rate, {}
+        if self.idler == "compound":
+            torque -= planet.even_n_m + idler.even_n_m * idler.rate / planet.rate
             moments = sun.kg_mm2, idler.kg_mm2, planet.kg_mm2, 0.0
             names = "driving_gear_kg_mm2", "shaft_between_kg_mm2", "driven_gear_kg_mm2", "shaft_kg_mm2"
             inertia = {"masses": dict(zip(names, moments, strict=True))}
@@ -277,16 +319,30 @@ class Planetary(RatedTrain):
             arm, stand = arm_of(motion, wished), stand_of(motion)
         elif self.arm_mm is not None:
             arm = Arm(self.arm_mm, radians(self.arm_deg))
+        pace = self._pace(motion, wished)
         bodies = Bodies(self.gears.face_width_mm, self.gears.bore_mm, self.bar_width_mm)
         chord_mm = max(self.gears.chord_mm(pitch.size.module_mm) for pitch in pitches)
-        made = planetary_train(chain, arm, self.arms, bodies, self.speed_rpm, chord_mm, self.sun_turns, stand)
+        turning = (self.sun_turns, stand, *([] if pace is None else [_carrier_rad(pace)]))
+        made = planetary_train(chain, arm, self.arms, bodies, self.speed_rpm, chord_mm, *turning)
         forward_mm_s = 0.0 if self.path is None else self.path.forward_mm_s
         masses, loads = self.masses, None
         if masses is not None:
             loads = loads_of(made, masses.density_kg_m3, self._tools(made, masses), masses.gravity)
         rack_rad = self.gears.pressure_angle_rad
-        told = told_of(made, self.idler, pitches, rack_rad, wished, motion, forward_mm_s, loads)
+        told = told_of(made, self.idler, pitches, rack_rad, wished, motion, forward_mm_s, loads, pace)
         return replace(made, told=told)
+
+    def _pace(self, motion: TipMotion | None, wished: WishedPath | None) -> Array | None:
+        """Speeds of the driving shaft over those of the carrier at even turns of it, or None where both are alike."""
+        import numpy as np
+
+        from ncgear.trains.pace import carrier_pace
+
+        if self.path is None or motion is None or wished is None or not self.path.pace:
+            return None if self.carrier_ratio is None else np.array(self.carrier_ratio)
+        with below("train"):
+            speed = self.speed_rpm * RAD_S_PER_RPM
+            return carrier_pace(motion, wished, self.path.stretches(wished), self.arms, speed)
 
     @staticmethod
     def _tools(made: Train, masses: TrainMasses) -> list[PutMass]:
@@ -350,6 +406,16 @@ class Planetary(RatedTrain):
         chord_mm = self.gears.chord_mm(module_mm)
         with below("train"):
             return toothed_pair(pitch, self.gears.form(module_mm), chord_mm)
+
+
+def _carrier_rad(pace: Array) -> OfAngle:
+    """The carrier's turn by that of the driving shaft."""
+    from ncgear.ratio.laws.spline import even_steps, spline_ratio_law
+    from ncgear.ratio.transmission import Lobes
+
+    with renamed("motion.ratio", "train.carrier_ratio"):
+        law = spline_ratio_law(even_steps(pace.size), pace, Lobes())
+    return lambda driving: law.driven_angle(driving).value
 
 
 MM_PER_M = 1000.0
