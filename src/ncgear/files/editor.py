@@ -19,6 +19,7 @@ from typing import Any
 from ncgear.design.keys.balance import Balance
 from ncgear.design.keys.base import Model
 from ncgear.design.keys.design import Design, json_schema
+from ncgear.design.trains.registry import TrainFile
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 
@@ -139,15 +140,18 @@ SETTINGS_FOLDER, SETTINGS_FILE = ".vscode", "settings.json"
 SETTING = "yaml.schemas"
 """The setting in which the extension looks for schemas; it gives each schema its files."""
 
-SCHEMAS: dict[str, type[Model]] = {"ncgear.schema.json": Design, "ncgear-balance.schema.json": Balance}
-"""The files of the schemas, beside the settings."""
+OF_BALANCE = "|".join(name for name in Balance.model_fields if name not in Design.model_fields)
 
-OF_DESIGN = re.compile(r"^motion\s*:", flags=re.MULTILINE)
-OF_BALANCE = re.compile(
-    rf"^(?:{'|'.join(name for name in Balance.model_fields if name not in Design.model_fields)})\s*:",
-    flags=re.MULTILINE,
-)
-"""Keys at the left margin by which the text of a design file and of a balance file is recognized."""
+SCHEMAS: dict[str, tuple[type[Model], re.Pattern[str]]] = {
+    name: (model, re.compile(rf"^(?:{keys})\s*:", flags=re.MULTILINE))
+    for name, model, keys in (
+        ("ncgear.schema.json", Design, "motion"),
+        ("ncgear-balance.schema.json", Balance, OF_BALANCE),
+        ("ncgear-train.schema.json", TrainFile, "train"),
+    )
+}
+"""The files of the schemas, beside the settings, each with its model and with the keys at the left margin by which the
+text of such a file is recognized."""
 
 MOST_FILES, LONGEST_BYTES = 5000, 1_000_000
 """Most YAML files that are read, and the largest size of each in bytes."""
@@ -174,15 +178,8 @@ def editor_files(folder: Path) -> EditorFiles:
     cannot be read as JSON with comments.
     """
     place = folder / SETTINGS_FOLDER
-    patterns = dict(zip(SCHEMAS, _patterns(folder), strict=True))
-    if not any(patterns.values()):
-        patterns["ncgear.schema.json"] = [ANY]
-    patterns = {name: found for name, found in patterns.items() if found}
-    files = {
-        name: f"{json.dumps(json_schema(model), indent=2)}\n".encode()
-        for name, model in SCHEMAS.items()
-        if name in patterns
-    }
+    patterns = _patterns(folder) or {"ncgear.schema.json": [ANY]}
+    files = {name: f"{json.dumps(json_schema(SCHEMAS[name][0]), indent=2)}\n".encode() for name in patterns}
     files[SETTINGS_FILE] = _settings(place / SETTINGS_FILE, patterns)
     return EditorFiles({name: new for name, new in files.items() if _bytes(place / name) != new}, patterns)
 
@@ -198,7 +195,7 @@ def _bytes(path: Path) -> bytes | None:
 
 
 def _settings(path: Path, patterns: dict[str, list[str]]) -> bytes:
-    """The settings with both schemas; files that a person has added to a schema's stay."""
+    """The settings with all schemas; files that a person has added to a schema's stay."""
     wanted = {f"./{SETTINGS_FOLDER}/{name}": globs for name, globs in patterns.items()}
     try:
         if path.is_symlink():
@@ -223,22 +220,22 @@ def _settings(path: Path, patterns: dict[str, list[str]]) -> bytes:
     return text.encode()
 
 
-def _patterns(folder: Path) -> tuple[list[str], list[str]]:
-    """Patterns of the design files and of the balance files below a folder, by their paths from it.
+def _patterns(folder: Path) -> dict[str, list[str]]:
+    """Patterns of the files below a folder, by their paths from it, for each of SCHEMAS that any of them has.
 
     The pattern is ``NAME/*.yaml`` where all YAML files in and below a folder are of one kind; otherwise each file has
     its own.  In the extension's patterns a star also matches folders, and two schemas of one file would contradict.
     """
     kinds = {path.relative_to(folder): _kind(path) for path in islice(_yaml_files(folder), MOST_FILES)}
-    found: dict[re.Pattern[str] | None, dict[str, None]] = {OF_DESIGN: {}, OF_BALANCE: {}, None: {}}
+    found: dict[str | None, dict[str, None]] = {name: {} for name in (*SCHEMAS, None)}
     for path, kind in kinds.items():
         alone = (place for place in reversed(path.parents) if _all_below(kinds, place) == {kind})
         place = next(alone, None)
         found[kind][path.as_posix() if place is None else (place / ANY).as_posix()] = None
-    return list(found[OF_DESIGN]), list(found[OF_BALANCE])
+    return {name: list(found[name]) for name in SCHEMAS if found[name]}
 
 
-def _all_below(kinds: dict[Path, re.Pattern[str] | None], place: Path) -> set[re.Pattern[str] | None]:
+def _all_below(kinds: dict[Path, str | None], place: Path) -> set[str | None]:
     return {kind for path, kind in kinds.items() if path.is_relative_to(place)}
 
 
@@ -248,11 +245,12 @@ def _yaml_files(folder: Path) -> Iterator[Path]:
         yield from (Path(place) / name for name in sorted(names) if name.endswith(".yaml"))
 
 
-def _kind(path: Path) -> re.Pattern[str] | None:
+def _kind(path: Path) -> str | None:
+    """The schema of a file; None of other files."""
     try:
         if path.stat().st_size > LONGEST_BYTES:
             return None
         text = path.read_text(encoding="utf-8", errors="replace")
     except OSError:
         return None
-    return next((kind for kind in (OF_DESIGN, OF_BALANCE) if kind.search(text)), None)
+    return next((name for name, (_, key) in SCHEMAS.items() if key.search(text)), None)
