@@ -16,11 +16,11 @@ from ruamel.yaml import YAML
 from commands import ROOT
 from documented.shell import run_line
 from ncgear.errors import WrongInput
-from ncgear.files.editor import NotEditable, editor_files, parsed, plain, with_member
+from ncgear.files.editor import SCHEMAS, NotEditable, editor_files, parsed, plain, with_member
 
 DESIGN = "name: x\nmotion: {law: uniform_crank}\n"
-TRAIN = "name: z\ntrain: {kind: chain}\n"
 BALANCE = "name: y\nspeed_rpm: 20\nmechanisms: []\n"
+TRAIN = "name: z\ntrain:\n  kind: chain\n"
 
 SETTINGS = """\
 { // of the team
@@ -73,11 +73,11 @@ def test_a_folder_gets_schemas_and_settings_once(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_each_file_has_the_schema_of_its_kind_and_others_have_none(tmp_path: Path) -> None:
     mine = {"a/x.yaml": DESIGN, "a/c.yaml": "services: {}\n", "b/y.yaml": DESIGN, "b/in/z.yaml": DESIGN}
-    put(tmp_path, {**mine, "c/1.yaml": BALANCE, "c/t.yaml": TRAIN, "c/d/2.yaml": DESIGN, ".hidden/3.yaml": DESIGN})
+    put(tmp_path, {**mine, "c/1.yaml": BALANCE, "c/d/2.yaml": DESIGN, "c/e/3.yaml": TRAIN, ".hidden/3.yaml": DESIGN})
     found = editor_files(tmp_path).patterns
-    kinds = {"ncgear.schema.json": DESIGN, "ncgear-balance.schema.json": BALANCE, "ncgear-train.schema.json": TRAIN}
-    assert found.keys() == kinds.keys()
-    for path in ("a/x.yaml", "a/c.yaml", "b/y.yaml", "b/in/z.yaml", "c/1.yaml", "c/t.yaml", "c/d/2.yaml"):
+    kinds = dict(zip(SCHEMAS, (DESIGN, BALANCE, TRAIN), strict=True))
+    assert list(found) == list(kinds)
+    for path in ("a/x.yaml", "a/c.yaml", "b/y.yaml", "b/in/z.yaml", "c/1.yaml", "c/d/2.yaml", "c/e/3.yaml"):
         text = (tmp_path / path).read_text()
         for name, patterns in found.items():
             assert any(applies(pattern, path) for pattern in patterns) is (text == kinds[name]), (path, name)
@@ -151,12 +151,16 @@ def test_the_schema_takes_every_design_and_no_misspelt_one(tmp_path: Path) -> No
 
     assert told(tmp_path)[0] == 0
     yaml = YAML(typ="safe")
-    for name, folder in (("ncgear", "designs"), ("ncgear-balance", "designs/balance"), ("ncgear-train", "designs")):
+    for name, folder, trains in (
+        ("ncgear", "designs", False),
+        ("ncgear-train", "designs", True),
+        ("ncgear-balance", "designs/balance", False),
+    ):
         schema = json.loads((tmp_path / ".vscode" / f"{name}.schema.json").read_text())
         judge = jsonschema.Draft202012Validator(schema)
         for path in sorted((ROOT / folder).glob("*.yaml")):
             data = yaml.load(path.read_text(encoding="utf-8"))
-            if ("train" in data) is not (name == "ncgear-train"):
+            if ("train" in data) is not trains:
                 continue
             assert judge.is_valid(data), path.name
             assert not judge.is_valid({**data, "nmae": 1}), path.name

@@ -355,7 +355,7 @@ def test_gears_of_a_row_that_meet_are_told() -> None:
     """Round gears of 40 teeth, tips at 42 mm: outer axes 160 cos(bend / 2) apart, so 83.92 and 84.16 mm."""
     meeting, passing = (room_of(loads(ROW_OF_ROUND.format(bend=bend))) for bend in (116.7 + 0.6, 116.3))
     assert (meeting[0], passing[0]) == (State.BROKEN, State.KEPT)
-    assert "gear_1 and gear_3 meet" in meeting[1][0]
+    assert "gear 1 and gear 3 meet" in meeting[1][0]
     assert verdict_on(Kind.ROOM, made("{lobes: [1]}"), KnownParts.MOTION).rows[0].state is State.NOT_JUDGED
 
 

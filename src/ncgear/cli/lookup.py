@@ -51,7 +51,7 @@ def schema(
         Path | None,
         typer.Option(
             metavar="FOLDER",
-            help="Write the schemas of all files into .vscode of a folder, named in its settings.",
+            help="Write the schemas of all kinds into .vscode of a folder, named in its settings.",
         ),
     ] = None,
 ) -> None:

@@ -10,11 +10,11 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from itertools import islice
 from json.decoder import JSONDecoder
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from ncgear.design.keys.balance import Balance
 from ncgear.design.keys.base import Model
@@ -140,26 +140,18 @@ SETTINGS_FOLDER, SETTINGS_FILE = ".vscode", "settings.json"
 SETTING = "yaml.schemas"
 """The setting in which the extension looks for schemas; it gives each schema its files."""
 
+OF_BALANCE = "|".join(name for name in Balance.model_fields if name not in Design.model_fields)
 
-class SchemaKind(NamedTuple):
-    """Files of a schema: their model, and the keys at the left margin by which their text is recognized."""
-
-    model: type[Model]
-    keys: re.Pattern[str]
-
-
-def _begun_by(names: Iterable[str]) -> re.Pattern[str]:
-    return re.compile(rf"^(?:{'|'.join(names)})\s*:", flags=re.MULTILINE)
-
-
-SCHEMAS = {
-    "ncgear.schema.json": SchemaKind(Design, _begun_by(["motion"])),
-    "ncgear-balance.schema.json": SchemaKind(
-        Balance, _begun_by(name for name in Balance.model_fields if name not in Design.model_fields)
-    ),
-    "ncgear-train.schema.json": SchemaKind(TrainFile, _begun_by(["train"])),
+SCHEMAS: dict[str, tuple[type[Model], re.Pattern[str]]] = {
+    name: (model, re.compile(rf"^(?:{keys})\s*:", flags=re.MULTILINE))
+    for name, model, keys in (
+        ("ncgear.schema.json", Design, "motion"),
+        ("ncgear-balance.schema.json", Balance, OF_BALANCE),
+        ("ncgear-train.schema.json", TrainFile, "train"),
+    )
 }
-"""The files of the schemas, beside the settings."""
+"""The files of the schemas, beside the settings, each with its model and with the keys at the left margin by which the
+text of such a file is recognized."""
 
 MOST_FILES, LONGEST_BYTES = 5000, 1_000_000
 """Most YAML files that are read, and the largest size of each in bytes."""
@@ -186,8 +178,8 @@ def editor_files(folder: Path) -> EditorFiles:
     cannot be read as JSON with comments.
     """
     place = folder / SETTINGS_FOLDER
-    patterns = _patterns(folder) or {next(iter(SCHEMAS)): [ANY]}
-    files = {name: f"{json.dumps(json_schema(SCHEMAS[name].model), indent=2)}\n".encode() for name in patterns}
+    patterns = _patterns(folder) or {"ncgear.schema.json": [ANY]}
+    files = {name: f"{json.dumps(json_schema(SCHEMAS[name][0]), indent=2)}\n".encode() for name in patterns}
     files[SETTINGS_FILE] = _settings(place / SETTINGS_FILE, patterns)
     return EditorFiles({name: new for name, new in files.items() if _bytes(place / name) != new}, patterns)
 
@@ -203,7 +195,7 @@ def _bytes(path: Path) -> bytes | None:
 
 
 def _settings(path: Path, patterns: dict[str, list[str]]) -> bytes:
-    """The settings with the schemas; files that a person has added to a schema's stay."""
+    """The settings with all schemas; files that a person has added to a schema's stay."""
     wanted = {f"./{SETTINGS_FOLDER}/{name}": globs for name, globs in patterns.items()}
     try:
         if path.is_symlink():
@@ -229,19 +221,18 @@ def _settings(path: Path, patterns: dict[str, list[str]]) -> bytes:
 
 
 def _patterns(folder: Path) -> dict[str, list[str]]:
-    """Patterns of the files below a folder by their schema, as paths from the folder.
+    """Patterns of the files below a folder, by their paths from it, for each of SCHEMAS that any of them has.
 
     The pattern is ``NAME/*.yaml`` where all YAML files in and below a folder are of one kind; otherwise each file has
     its own.  In the extension's patterns a star also matches folders, and two schemas of one file would contradict.
     """
-    kinds = {path.relative_to(folder): _schema(path) for path in islice(_yaml_files(folder), MOST_FILES)}
-    found: dict[str, dict[str, None]] = {name: {} for name in SCHEMAS}
-    for path, schema in kinds.items():
-        alone = (place for place in reversed(path.parents) if _all_below(kinds, place) == {schema})
+    kinds = {path.relative_to(folder): _kind(path) for path in islice(_yaml_files(folder), MOST_FILES)}
+    found: dict[str | None, dict[str, None]] = {name: {} for name in (*SCHEMAS, None)}
+    for path, kind in kinds.items():
+        alone = (place for place in reversed(path.parents) if _all_below(kinds, place) == {kind})
         place = next(alone, None)
-        if schema is not None:
-            found[schema][path.as_posix() if place is None else (place / ANY).as_posix()] = None
-    return {name: list(patterns) for name, patterns in found.items() if patterns}
+        found[kind][path.as_posix() if place is None else (place / ANY).as_posix()] = None
+    return {name: list(found[name]) for name in SCHEMAS if found[name]}
 
 
 def _all_below(kinds: dict[Path, str | None], place: Path) -> set[str | None]:
@@ -254,11 +245,12 @@ def _yaml_files(folder: Path) -> Iterator[Path]:
         yield from (Path(place) / name for name in sorted(names) if name.endswith(".yaml"))
 
 
-def _schema(path: Path) -> str | None:
+def _kind(path: Path) -> str | None:
+    """The schema of a file; None of other files."""
     try:
         if path.stat().st_size > LONGEST_BYTES:
             return None
         text = path.read_text(encoding="utf-8", errors="replace")
     except OSError:
         return None
-    return next((name for name, kind in SCHEMAS.items() if kind.keys.search(text)), None)
+    return next((name for name, (_, key) in SCHEMAS.items() if key.search(text)), None)

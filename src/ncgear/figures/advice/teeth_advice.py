@@ -265,7 +265,8 @@ SPREAD = Remedy("smaller bends, or bends to both sides, spread the row", short="
 def room(drive: Drive) -> list[Advice]:
     """Gears of a row that do not mesh, and meet somewhere in the turn."""
     meeting = (one for one in drive.whole.row_room if one.least_mm <= 0.0)
-    what = [f"{one.first} and {one.second} meet at phi1 = {placed(degrees(one.at_rad))} deg" for one in meeting]
+    names = ((f"{one.first} and {one.second}".replace("_", " "), placed(degrees(one.at_rad))) for one in meeting)
+    what = [f"{gears} meet at phi1 = {place} deg" for gears, place in names]
     return [Advice(Kind.ROOM, said, "the row cannot turn past there", (SPREAD,), brief=said) for said in what]
 
 
