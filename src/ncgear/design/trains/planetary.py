@@ -229,6 +229,19 @@ class Planetary(RatedTrain):
             if (value is None) is (self.idler == "ring"):
                 yield fault(key, "missing; a ring needs it" if value is None else "given, but there is no ring")
 
+    def _rated_keys_count(self) -> Faults:
+        if "mates" in self.strength.model_fields_set:
+            yield fault("strength.mates", "given, but it follows from arms; leave it out")
+        if self.idler == "ring":
+            for key, given in (
+                ("resistance", self.resistance is not None),
+                ("strength", "strength" in self.model_fields_set),
+                ("tolerances", self.tolerances is not None),
+                ("gears.material", self.gears.material is not None),
+            ):
+                if given:
+                    yield fault(key, "given, but the teeth of a ring and its planets are not rated; leave it out")
+
     def _masses_come_back(self) -> Faults:
         if self.masses is not None and self.sun_turns != 0.0:
             yield fault("masses", "given, but forces are those about a sun that stands; leave out masses or sun_turns")
