@@ -26,9 +26,10 @@ from ncgear.project.drive import Drive
 from ncgear.project.strengthening import rating_of
 from ncgear.strength.conditions import Running
 from ncgear.strength.holding import Damage
-from ncgear.trains.loads import PutMass, loads_of
+from ncgear.trains.loads import PutMass, loads_of, turning_load
 from ncgear.trains.pace import PacedStretch, carrier_pace
 from ncgear.trains.tip_path import TipMotion, motion_from
+from ncgear.trains.train import seen_from_behind
 from train_cases import GEARS, UNEVEN, WISHED, NewtonAndEuler, planetary
 
 MASSES = {"density_kg_m3": 7850.0, "tool_kg": 0.4}
@@ -117,12 +118,27 @@ def test_the_sun_of_a_shared_idler_bears_what_newton_and_euler_say(tmp_path: Pat
     assert first == pytest.approx(np.array(wanted), abs=3e-4 * np.abs(wanted).max())
 
 
+@pytest.mark.thorough
+def test_a_train_that_is_seen_from_behind_has_the_same_loads() -> None:
+    """All of it and gravity reflected in the x axis: the carrier turns clockwise."""
+    train, put = planetary(**ARM, arms=2, carrier_ratio=(1.1, 1.0, 0.9, 0.95)), [PutMass("arm_1", 90.0 + 5.0j, 0.4)]
+    behind = [replace(one, at_mm=one.at_mm.conjugate()) for one in put]
+    for name in ("idler_1", "planet_1"):
+        one = turning_load(train, name, 7850.0, put, -2000.0 - 9806.65j)
+        other = turning_load(seen_from_behind(train), name, 7850.0, behind, -2000.0 + 9806.65j)
+        for value in ("turned_rad", "rate", "torque_n_m", "even_n_m"):
+            most = np.abs(getattr(one, value)).max()
+            assert getattr(one, value) == pytest.approx(getattr(other, value), abs=1e-9 * most)
+        assert one.turned_rad[-1] == pytest.approx(2.0 * np.pi)
+
+
 def elliptic(eccentricity: float, count: int = 180) -> tuple[float, ...]:
     """Ratios over the driven angle of two ellipses about foci: tan(driven/2) = k tan(driving/2)."""
     k, half = (1.0 + eccentricity) / (1.0 - eccentricity), np.arange(count) * (np.pi / count)
     return tuple((k / (k**2 * np.cos(half) ** 2 + np.sin(half) ** 2)).tolist())
 
 
+@pytest.mark.thorough
 def test_a_carrier_behind_elliptic_gears_has_their_closed_form_and_all_else_follows_it() -> None:
     """tan(carrier/2) = k tan(driving/2); at the same carrier angle all parts stand as with an even carrier."""
     keys = {"ratio": (1.0,) * 4, "arm_mm": 60.0}
@@ -176,6 +192,8 @@ def test_stretches_take_their_time_and_are_passed_as_slowly_as_asked(arms: int) 
     for wished in (True, False):
         pace = carrier_pace(motion, WISHED, asked, arms, turns) if wished else np.ones(720)
         assert pace.reshape(arms, -1) == pytest.approx(np.tile(pace[: 720 // arms], (arms, 1)))
+        # Smooth over the ends of each repetition, too: waves of two arms bend by 0.002 in a step at most.
+        assert np.abs(np.diff(np.append(pace, pace[:2]), 2)).max() < 0.01
         course = CubicSpline(np.arange(721) * (turns / 720), np.append(pace, pace[0]), bc_type="periodic")
         seconds = course.antiderivative()(u - u[0]) / turns
         speed = np.abs(np.diff(tip) / np.diff(seconds))
@@ -229,6 +247,19 @@ def test_a_gear_with_several_mates_is_met_by_each() -> None:
     ("keys", "said"),
     [
         ({"masses": MASSES, "resistance": {"polynomial_n_m": [1.0]}}, "resistance"),
+        ({"strength": {"mates": 2}}, "follows from arms"),
+        (
+            {
+                "idler": "ring",
+                "planet_turns": 2,
+                "gears": {**GEARS, "rim_mm": 6.0},
+                "resistance": {"polynomial_n_m": [1.0]},
+            },
+            "not rated",
+        ),
+        ({"idler": "ring"}, "planet_turns: missing"),
+        ({"planet_turns": 2}, "no ring"),
+        ({"carrier_ratio": [1.0, 1.1, 1.0, 1.0], "sun_turns": 0.5}, "sun that stands"),
         ({"idler": "shared", "masses": {**MASSES, "tool_kg": 0.0}, "sun_turns": 0.5}, "masses"),
     ],
 )

@@ -61,6 +61,47 @@ def test_round_gears_turn_as_willis_says(idler: str, sun_turns: float) -> None:
     assert np.allclose(turned["idler"] - turned["carrier"], -against, rtol=0.0, atol=1e-10)
 
 
+RING = {"idler": "ring", "planet_turns": 3, "ratio": (1.15, 1.0, 0.9, 1.0), "gears": {**GEARS, "rim_mm": 6.0}}
+
+
+@pytest.mark.slow
+@at_once("sun_turns", [0.0, -0.5])
+def test_a_planet_in_a_round_ring_turns_as_willis_says(sun_turns: float) -> None:
+    """(planet - carrier) / (ring - carrier) = 3, and the ring turns as asked."""
+    train = planetary(**RING | {"ratio": (1.0,) * 4}, sun_turns=sun_turns)
+    driving = np.linspace(0.0, 20.0, 41)
+    turned = {name: angles_of(train, name, driving) for name in ("ring", "planet", "carrier")}
+    turned = {name: angle - angle[0] for name, angle in turned.items()}
+    assert np.allclose(turned["ring"], sun_turns * driving, rtol=0.0, atol=1e-12)
+    against = turned["ring"] - turned["carrier"]
+    assert np.allclose(turned["planet"] - turned["carrier"], 3.0 * against, rtol=0.0, atol=1e-10)
+
+
+@pytest.mark.slow
+def test_a_planet_in_a_ring_has_the_speeds_that_are_asked() -> None:
+    """At even angles of the carrier, by differences; their mean is three, as the planet comes back with the ring."""
+    train = planetary(**RING)
+    driving = np.arange(4) * (2.0 * np.pi / 12) + np.array([[-1e-4], [1e-4]])
+    planet = [angles_of(train, "planet", one) - one for one in driving]
+    speeds = (planet[0] - planet[1]) / 2e-4
+    assert speeds / speeds[1] == pytest.approx([1.15, 1.0, 0.9, 1.0], rel=1e-6)
+    whole = np.array([0.0, 2.0 * np.pi])
+    assert np.diff(angles_of(train, "planet", whole)) == pytest.approx(-4.0 * np.pi, abs=1e-9)
+
+
+@pytest.mark.slow
+def test_planets_of_all_arms_touch_their_ring_and_a_wrong_phase_clashes() -> None:
+    """By polygons; half a pitch or a whole one off, which fits round gears only."""
+    train = planetary(**RING, arms=4)
+    found = contacts_of(train, outlines(train))
+    assert len(found) == 4
+    assert max(one.deepest_mm for one in found) < 3.0 * train.tolerance_mm
+    assert max(one.gap_mm for one in found) < 3.0 * train.tolerance_mm
+    for pitches in (0.5, 1.0):
+        turned = with_turned(train, "planet_1", 2.0 * np.pi / 18 * pitches)
+        assert contacts_of(turned, outlines(turned))[0].deepest_mm > 0.1
+
+
 def elliptic(eccentricity: float, count: int = 360) -> tuple[float, ...]:
     """du/dv over v of two ellipses about foci: tan(v/2) = k tan(u/2) with k = (1 + e) / (1 - e)."""
     k, half = (1.0 + eccentricity) / (1.0 - eccentricity), np.arange(count) * (np.pi / count)

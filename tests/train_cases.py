@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from functools import cache
 from typing import Any
 
@@ -21,10 +22,14 @@ POINTS = np.array([0.0, -32.0, -60.0, -85.0, -95.0, -80.0, -40.0, 10.0, 20.0, 15
 WISHED = WishedPath(POINTS, np.full(POINTS.size, 0.1))
 
 
-@cache
 def planetary(**keys: Any) -> Train:
-    ratio = list(keys.pop("ratio", UNEVEN))
-    return Planetary.model_validate({"speed_rpm": 60.0, "ratio": ratio, "gears": GEARS, **keys}).train()
+    """The planetary train of keys, made once; gears that are not round where no ratio is given."""
+    return _made(json.dumps({"speed_rpm": 60.0, "ratio": UNEVEN, "gears": GEARS, **keys}))
+
+
+@cache
+def _made(keys: str) -> Train:
+    return Planetary.model_validate(json.loads(keys)).train()
 
 
 STEP_RAD = 2e-3

@@ -51,7 +51,7 @@ class PacedStretch:
 def _passed_at(motion: TipMotion, path: WishedPath) -> Array:
     """The carrier's turns from its first place at which the tip is nearest to each point, shape (n,)."""
     step = 2.0 * pi / FINE
-    w = np.arange(FINE) * step
+    w = np.linspace(0.0, 2.0 * pi, FINE, endpoint=False)
     squares = np.abs(motion.tip(w) - path.points[:, None]) ** 2
     nearest = squares.argmin(axis=1)
     before, there, after = (np.take_along_axis(squares, (nearest[:, None] + by) % FINE, 1)[:, 0] for by in (-1, 0, 1))

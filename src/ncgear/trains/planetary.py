@@ -71,13 +71,13 @@ class GearOfChain:
 class ArmChain:
     """Sun, idlers and planet of one arm, the sun first and the planet last, and the meshes by their names.
 
-    ``planet_rad`` is w(u).  ``direction_rad`` is the planet's angle in the frame of the arm at u = 0 when w = 0.
+    All meshes are of one ``kind``.  ``planet_rad`` is w(u).
     """
 
     gears: tuple[GearOfChain, ...]
     meshes: tuple[tuple[str, str], ...]
     planet_rad: OfAngle
-    direction_rad: float
+    kind: Mesh = Mesh.EXTERNAL
 
     @property
     def carrier_mm(self) -> float:
@@ -131,7 +131,7 @@ def compound_chain(
             "planet", b.driven.outline_mm, b.driven.teeth, complex(carrier_mm), lambda u: after - planet_rad(u), 1
         ),
     )
-    return ArmChain(gears, (("sun", "idler"), ("second_idler", "planet")), planet_rad, after)
+    return ArmChain(gears, (("sun", "idler"), ("second_idler", "planet")), planet_rad)
 
 
 STRAIGHT = 1e-9
@@ -165,9 +165,23 @@ def shared_chain(pitch: PitchPair, teeth: ToothedPair, bend_rad: float) -> ArmCh
         ),
         GearOfChain("planet", sun, teeth.driving.teeth, complex(abs(planet)), lambda u: after - pi - later(u)),
     )
-    return ArmChain(
-        gears, (("sun", "idler"), ("idler", "planet")), lambda u: later(u) - start, after - pi - float(start)
+    return ArmChain(gears, (("sun", "idler"), ("idler", "planet")), lambda u: later(u) - start)
+
+
+def ring_chain(pitch: PitchPair, teeth: ToothedPair) -> ArmChain:
+    """A planet inside a ring in place of the sun; the pair is planet and ring, the planet driving.
+
+    Planet and ring turn to the same side against the carrier, the planet by the inverse of the law.
+    """
+    planet_rad = _inverse(pitch)
+    ring, planet = mirrored(teeth.driven.outline_mm), mirrored(teeth.driving.outline_mm)
+    gears = (
+        GearOfChain("ring", ring, teeth.driven.teeth, 0j, lambda u: pi - u),
+        GearOfChain(
+            "planet", planet, teeth.driving.teeth, complex(pitch.center_distance_mm), lambda u: pi - planet_rad(u)
+        ),
     )
+    return ArmChain(gears, (("planet", "ring"),), planet_rad, Mesh.INTERNAL)
 
 
 def _inverse(pitch: PitchPair) -> OfAngle:
@@ -241,11 +255,12 @@ def stand_of(motion: TipMotion) -> Stand:
 
 @dataclass(frozen=True)
 class Bodies:
-    """Heights and bores of the parts in mm."""
+    """Heights and bores of the parts in mm, and the rim of a ring in place of the sun."""
 
     face_width_mm: float
     bore_mm: float | None
     bar_width_mm: float
+    rim_mm: float | None = None
 
 
 def planetary_train(
@@ -283,7 +298,8 @@ def planetary_train(
         return way
 
     fixed = GROUND if sun_turns == 0.0 else ""
-    parts.append(Part(sun.name, sun.outline_mm, width, sun.teeth, bore_mm=bodies.bore_mm, fixed_to=fixed))
+    bore_mm = bodies.bore_mm if bodies.rim_mm is None else None
+    parts.append(Part(sun.name, sun.outline_mm, width, sun.teeth, 0.0, bore_mm, bodies.rim_mm, fixed))
     ways.append(way_of(sun.place, sun.angle, 0))
     traces = []
     for number in range(arms):
@@ -297,7 +313,7 @@ def planetary_train(
                 )
             )
             ways.append(way_of(gear.place, gear.angle, number))
-        meshes += [GearMesh(named[one], named[other]) for one, other in chain.meshes]
+        meshes += [GearMesh(named[one], named[other], chain.kind) for one, other in chain.meshes]
         if arm is not None:
             outline = _bar_mm([0j, complex(arm.length_mm)], bodies.bar_width_mm, tolerance_mm)
             name, low = f"arm{end}", step * layers

@@ -90,7 +90,8 @@ def told_of(
         load_rows, load_figures, unknown = _of_loads(loads)
         rows += load_rows
         figures |= load_figures
-    head = f"planetary train, {idler} idler, {arms} arm{'s' * (arms > 1)}, {train.speed_rpm:g} turns a minute"
+    inside = "planets in a ring" if idler == "ring" else f"{idler} idler"
+    head = f"planetary train, {inside}, {arms} arm{'s' * (arms > 1)}, {train.speed_rpm:g} turns a minute"
     return TrainFigures(head, tuple(rows), figures, (*conditions, *unknown))
 
 
@@ -137,7 +138,7 @@ def _of_loads(
     would = f"{weight:.4g} kg mm on the carrier, at first at {where:.4g} deg, would leave {left:.4g} of {now:.4g} N"
     balanced = f"no counterweight on the carrier takes a tenth off its {now:.4g} N"
     balance = TrainCondition("balance", not needed, would if needed else balanced)
-    forces = TrainCondition("forces", None, "teeth, shafts and bearings are not rated; the torque is told")
+    forces = TrainCondition("forces", None, "a check rates no teeth, shafts and bearings; the torque is told")
     return rows, figures, (balance, forces)
 
 

@@ -155,7 +155,8 @@ class TrainMasses(Model):
 class PlanetaryGears(RatedGears):
     """The teeth and the bodies of sun, idlers and planets."""
 
-    teeth: int = required("teeth of every gear, a whole number", ge=8, le=1000)
+    teeth: int = required("teeth of every gear, a whole number; a ring has planet_turns times as many", ge=8, le=1000)
+    rim_mm: Length | None = optional("of a ring: thickness in mm outside its farthest root")
     center_distance_mm: Length | None = optional("distance of the axes of each pair in mm, in place of module_mm")
 
 
@@ -184,9 +185,13 @@ class Planetary(RatedTrain):
     }
 
     arms: int = optional("arms of the carrier, evenly spread, a whole number", 1, ge=1, le=6)
-    idler: Literal["compound", "shared"] = optional(
-        "compound: two gears on one shaft, which make any ratio; shared: one gear that meshes with sun and planet",
+    idler: Literal["compound", "shared", "ring"] = optional(
+        "compound: two gears on one shaft, which make any ratio; shared: one gear that meshes with sun and planet; "
+        "ring: none, the planet is inside a ring in place of the sun",
         "compound",
+    )
+    planet_turns: int | None = optional(
+        "of a ring: turns of the planet for one of the carrier against the ring, a whole number", ge=2, le=24
     )
     bend_deg: Annotated[float, Field(ge=-150.0, le=150.0)] | None = optional(
         "of a shared idler: angle in degrees from the line from sun to idler to the line from idler to planet; "
@@ -194,7 +199,8 @@ class Planetary(RatedTrain):
     )
     ratio: Annotated[Several[Ratio], Field(min_length=4, max_length=720)] | None = optional(
         "speed of the carrier against the sun over the speed of the planet (compound) or idler (shared), at evenly "
-        "spaced angles of planet or idler, from 0 on; a common factor closes the turn"
+        "spaced angles of planet or idler, from 0 on; of a ring the speed of the planet over the carrier's, at evenly "
+        "spaced angles of the carrier over a turn of the planet; a common factor closes the turn"
     )
     carrier_ratio: Annotated[Several[Ratio], Field(min_length=4, max_length=720)] | None = optional(
         "speed of the driving shaft over that of the carrier, at evenly spaced turns of the carrier, from 0 on; a "
@@ -218,6 +224,24 @@ class Planetary(RatedTrain):
         if self.bend_deg is not None and self.idler != "shared":
             yield fault("bend_deg", "given, but the place of a compound idler follows from its teeth; leave it out")
 
+    def _a_ring_has_its_keys(self) -> Faults:
+        for key, value in (("planet_turns", self.planet_turns), ("gears.rim_mm", self.gears.rim_mm)):
+            if (value is None) is (self.idler == "ring"):
+                yield fault(key, "missing; a ring needs it" if value is None else "given, but there is no ring")
+
+    def _rated_keys_count(self) -> Faults:
+        if "mates" in self.strength.model_fields_set:
+            yield fault("strength.mates", "given, but it follows from arms; leave it out")
+        if self.idler == "ring":
+            for key, given in (
+                ("resistance", self.resistance is not None),
+                ("strength", "strength" in self.model_fields_set),
+                ("tolerances", self.tolerances is not None),
+                ("gears.material", self.gears.material is not None),
+            ):
+                if given:
+                    yield fault(key, "given, but the teeth of a ring and its planets are not rated; leave it out")
+
     def _masses_come_back(self) -> Faults:
         if self.masses is not None and self.sun_turns != 0.0:
             yield fault("masses", "given, but forces are those about a sun that stands; leave out masses or sun_turns")
@@ -233,23 +257,28 @@ class Planetary(RatedTrain):
             if self.gears.module_mm is None and self.gears.center_distance_mm is None:
                 yield fault("gears", "module_mm or center_distance_mm is missing; give one of them")
             return
-        if self.idler == "shared":
-            yield fault(
-                "idler",
-                "shared given, but an idler that meshes with sun and planet makes odd harmonics of the ratio only, and "
-                "a path has others; compound is right",
-            )
+        if self.idler != "compound":
+            why = {
+                "shared": "an idler that meshes with sun and planet makes odd harmonics of the ratio only, and a path "
+                "has others",
+                "ring": "a planet in a ring turns several times a cycle, and an arm along a path once",
+            }
+            yield fault("idler", f"{self.idler} given, but {why[self.idler]}; compound is right")
         if self.gears.center_distance_mm is not None:
             yield fault("gears.center_distance_mm", "given, but it follows from the path; leave it out")
         if self.sun_turns != 0.0:
             yield fault("sun_turns", "given, but the path is that of an arm about a sun that stands; leave it out")
 
-    def machine(self) -> dict[str, Any]:
+    def machine(self) -> dict[str, Any] | None:
         """The gears of one arm on fixed axes, as the carrier sees them: two pairs in series, or a row of three gears.
+
+        None for a ring, in which it is the planet that drives.
 
         Where masses are given, they and the weight of all that the planet carries turn about its axis as Newton and
         Euler say; what is no moment of inertia there is a torque over the planet's angle.
         """
+        if self.idler == "ring":
+            return None
         path = self._sought()
         made = self._train(*path)
         given = self.model_dump(by_alias=True, exclude_unset=True)
@@ -320,10 +349,10 @@ class Planetary(RatedTrain):
         elif self.arm_mm is not None:
             arm = Arm(self.arm_mm, radians(self.arm_deg))
         pace = self._pace(motion, wished)
-        bodies = Bodies(self.gears.face_width_mm, self.gears.bore_mm, self.bar_width_mm)
+        bodies = Bodies(self.gears.face_width_mm, self.gears.bore_mm, self.bar_width_mm, self.gears.rim_mm)
         chord_mm = max(self.gears.chord_mm(pitch.size.module_mm) for pitch in pitches)
-        turning = (self.sun_turns, stand, *([] if pace is None else [_carrier_rad(pace)]))
-        made = planetary_train(chain, arm, self.arms, bodies, self.speed_rpm, chord_mm, *turning)
+        turned = _carrier_rad(pace)
+        made = planetary_train(chain, arm, self.arms, bodies, self.speed_rpm, chord_mm, self.sun_turns, stand, turned)
         forward_mm_s = 0.0 if self.path is None else self.path.forward_mm_s
         masses, loads = self.masses, None
         if masses is not None:
@@ -378,10 +407,14 @@ class Planetary(RatedTrain):
 
         from ncgear.ratio.laws.spline import even_steps, spline_ratio_law, spline_ratio_staged
         from ncgear.ratio.transmission import Lobes
-        from ncgear.trains.planetary import compound_chain, shared_chain, straight_distances_mm
+        from ncgear.trains.planetary import compound_chain, ring_chain, shared_chain, straight_distances_mm
 
         ratio = self._ratio(motion)
         angles, gears = even_steps(ratio.size), self.gears
+        if self.planet_turns is not None:
+            law = spline_ratio_law(angles, ratio, Lobes(1, self.planet_turns))
+            pitch = self._pitch(law, gears.center_distance_mm, ring=True)
+            return (pitch,), ring_chain(pitch, self._teeth(pitch))
         if self.idler == "shared":
             pitch = self._pitch(spline_ratio_law(angles, ratio, Lobes()), gears.center_distance_mm)
             return (pitch,), shared_chain(pitch, self._teeth(pitch), radians(self.bend_deg or 0.0))
@@ -393,11 +426,13 @@ class Planetary(RatedTrain):
         carrier_mm = first.center_distance_mm + second.center_distance_mm if motion is None else motion.carrier_mm
         return (first, second), compound_chain((first, second), (self._teeth(first), self._teeth(second)), carrier_mm)
 
-    def _pitch(self, transmission: Transmission, distance_mm: float | None) -> PitchPair:
+    def _pitch(self, transmission: Transmission, distance_mm: float | None, *, ring: bool = False) -> PitchPair:
         from ncgear.pitch.pair import sized_pair
+        from ncgear.pitch.shape import Mesh
 
+        mesh = Mesh.INTERNAL if ring else Mesh.EXTERNAL
         with below("train"):
-            return sized_pair(transmission, self.gears.teeth, self.gears.module_mm, distance_mm)
+            return sized_pair(transmission, self.gears.teeth, self.gears.module_mm, distance_mm, mesh)
 
     def _teeth(self, pitch: PitchPair) -> ToothedPair:
         from ncgear.teeth.gear import toothed_pair
@@ -408,8 +443,10 @@ class Planetary(RatedTrain):
             return toothed_pair(pitch, self.gears.form(module_mm), chord_mm)
 
 
-def _carrier_rad(pace: Array) -> OfAngle:
-    """The carrier's turn by that of the driving shaft."""
+def _carrier_rad(pace: Array | None) -> OfAngle:
+    """The carrier's turn by that of the driving shaft; an even one without a pace."""
+    if pace is None:
+        return lambda driving: driving
     from ncgear.ratio.laws.spline import even_steps, spline_ratio_law
     from ncgear.ratio.transmission import Lobes
 
