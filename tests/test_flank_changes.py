@@ -104,8 +104,11 @@ def test_friction_takes_from_the_moment_or_adds_to_it() -> None:
 
         found = borne_torque(mesh, load(), asked, SPEED, TURN, finer=(1.0,))
         pushed = 3e5 * LEVER_MM / (LEVER_MM + sign * mu * along)
-        last = found.torque_n_mm[:, np.searchsorted(found.phi1_rad, found.phi1_rad[0] // TURN * TURN + TURN - 0.01)]
+        settled = found.phi1_rad[0] // TURN * TURN + TURN - 0.01
+        last = found.torque_n_mm[:, np.searchsorted(found.phi1_rad, settled)]
         assert last == pytest.approx([pushed, 3e5], rel=2e-3)
+        told = [float(one(np.array([settled]))[0]) for one in (found.at, found.turning)]
+        assert told == pytest.approx([max(pushed, 3e5), 3e5], rel=2e-3)
 
 
 DAMPING = 0.05

@@ -370,7 +370,7 @@ def near_pairs(
         sides.append(np.take_along_axis(pairs * (near.urge == side)[..., None], order, axis=1))
     if sum(one.shape[1] for one in sides) > MANY:
         return list(np.swapaxes(np.concatenate(sides, axis=1), 1, 2)), levers
-    return list(zip(*(one.tolist() for one in sides), strict=True)), levers
+    return [list(both) for both in zip(*(one.tolist() for one in sides), strict=True)], levers
 
 
 def moments_n_mm(

@@ -179,8 +179,8 @@ class KnockingTrain:
                 break
         angles, torques = np.concatenate(phi1), np.concatenate(torque, axis=1)
         between = self.pairs[0].meshing.law.at(angles)[0]
-        first, second = (np.tile(one, (2, 1)) for one in torques)
-        return FollowedStretch(angles, first, knocks[0]), FollowedStretch(between, second, knocks[1])
+        one, two = (np.tile(torque_n_mm, (2, 1)) for torque_n_mm in torques)
+        return FollowedStretch(angles, one, knocks[0]), FollowedStretch(between, two, knocks[1])
 
     def _momenta(self, state: tuple[float, float, float, float], along: _Places, part: slice) -> Array:
         """The momenta of both bodies swinging on the teeth of each pair, shape (2,)."""

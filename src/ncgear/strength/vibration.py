@@ -167,8 +167,9 @@ class Vibration:
         self, phi1_rad: Array, force_n: Array, mesh: MeshStiffness, application_factor: float, faster: Array
     ) -> Array:
         """K_V, shape (s, n), under the same forces at multiples of the speed, shape (s,)."""
-        resonance, *state = self._state(phi1_rad, force_n, mesh, application_factor)
-        return dynamic_factor(faster[:, None] * resonance, *state, self.deviations_mm, self.running.overlap_ratio)
+        resonance, line, stiffness, ratio = self._state(phi1_rad, force_n, mesh, application_factor)
+        faster, overlap = faster[:, None] * resonance, self.running.overlap_ratio
+        return dynamic_factor(faster, line, stiffness, ratio, self.deviations_mm, overlap)
 
     def _state(
         self, phi1_rad: Array, force_n: Array, mesh: MeshStiffness, application_factor: float
