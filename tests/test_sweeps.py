@@ -122,9 +122,24 @@ def test_the_greatest_ratio_leaves_an_acceleration_and_a_speed() -> None:
             assert Sweeps(task(False), asked, 24).possible(limits()).tolist() == [possible]
 
 
-def test_least_power_against_an_even_force_is_the_mean_power() -> None:
-    """Without masses the power of the working stroke may be even: the work F 2 r of a second, and a quick return."""
-    sweeps = Sweeps(task(False), Demands(ratio_min=0.02, ratio_max=50.0), 90)
+def test_no_value_between_two_steps_is_refused() -> None:
+    """A crank that may not change its speed needs r w^2: a little more lets it be, wherever the curve begins."""
+    for fastest in (0.5, 0.51, 0.52, 0.53):
+        for share, possible in ((0.9995, False), (1.0005, True)):
+            asked = Demands(fastest, 2.0, steepness=1e-7, acceleration_mm_s2=share * RADIUS * SPEED**2)
+            assert Sweeps(task(False), asked, 24).possible(limits()).tolist() == [possible]
+
+
+@pytest.mark.parametrize("masses", [0.0, 1e-9, 1e-4])
+def test_least_power_against_an_even_force_is_the_mean_power(masses: float) -> None:
+    """Without masses the power of the working stroke may be even: the work F 2 r of a second, and a quick return.
+
+    Next to no masses change next to nothing, although slopes within cells are as great as they are small.
+    """
+    own = task(False)
+    if masses:
+        own = replace(own, masses=own.linkage.MASSES(slider_kg=masses * SLIDER_KG))
+    sweeps = Sweeps(own, Demands(ratio_min=0.02, ratio_max=50.0), 90)
     mean_w = FORCE_N * 2.0 * RADIUS / 1000.0
     found = least_power(sweeps, np.zeros((2, 2)), np.array([2.0 * mean_w, 2.5 * mean_w]))
     assert np.all(found > 0.93 * mean_w)
