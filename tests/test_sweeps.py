@@ -115,11 +115,18 @@ def test_slopes_are_those_with_which_the_machine_keeps_its_limits(
 
 def test_the_greatest_ratio_leaves_an_acceleration_and_a_speed() -> None:
     """The crank turns no slower than w over it: r w^2 over its square at the dead centre, r w over it in the middle."""
-    slow = SPEED / 1.2
+    slow = SPEED / 1.05
     for name, least in (("acceleration_mm_s2", RADIUS * slow**2), ("speed_mm_s", RADIUS * slow)):
         for share, possible in ((0.99, False), (1.01, True)):
-            asked = Demands(ratio_min=0.02, ratio_max=1.2, **{name: share * least})
+            asked = Demands(ratio_min=0.02, ratio_max=1.05, **{name: share * least})
             assert Sweeps(task(False), asked, 24).possible(limits()).tolist() == [possible]
+
+
+def test_the_least_peak_acceleration_is_even() -> None:
+    """Two even accelerations take the slider over its stroke 2 r in half a turn: 4 (2 r)/(T/2)^2 with T = 1 s."""
+    for share, possible in ((0.97, False), (1.001, True)):
+        asked = Demands(0.02, 50.0, acceleration_mm_s2=share * 32.0 * RADIUS)
+        assert Sweeps(task(False), asked, 90).possible(limits()).tolist() == [possible]
 
 
 def test_no_value_between_two_steps_is_refused() -> None:

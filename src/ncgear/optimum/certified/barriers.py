@@ -78,7 +78,7 @@ class Barriers:
         kept = _greatest(way * (self.slopes(at, curve)[most] - slopes)) <= 0.0
         if not kept.all():
             kept |= _passed(self.rows, at, curve, slopes, way).any(axis=0)
-        line = np.where(kept, q, inf), curve[2], way * np.maximum(way * slopes[0], way * slopes[2])
+        line = np.where(kept, q, inf), np.where(kept, curve[2], inf), way * np.maximum(way * slopes[0], way * slopes[2])
         return line, ~kept | (room * abs(step) > LOOSE * q)
 
     def resting(self, way: int) -> Line:
@@ -187,9 +187,12 @@ def lowest(line: Line, others: Line) -> Line:
 
 
 def _greatest(values: Array, axis: int = 0) -> Array:
-    """The greatest value over a cell of a function known at three places of an axis, with twice the bend they show."""
+    """The greatest value over a cell of a function known at three places of an axis.
+
+    It may lie over their parabola by the bend that they show, which for a rising bend ends at the chord.
+    """
     first, middle, last = np.moveaxis(values, axis, 0)
-    bend = 2.0 * np.abs(middle - (first + last) / 2.0)
+    bend = 2.0 * np.maximum(middle - (first + last) / 2.0, 0.0)
     rise = last - first
     vertex = (first + last) / 2.0 + bend + rise**2 / (16.0 * bend)
     return np.where(np.abs(rise) < 4.0 * bend, vertex, np.maximum(first, last))
@@ -198,19 +201,19 @@ def _greatest(values: Array, axis: int = 0) -> Array:
 def _root(function: Callable[[Array], Array], low: tuple[Array, Array], high: tuple[Array, Array]) -> Array:
     """Places near roots, not below them, of functions positive at ``low`` and negative at ``high``, by false position.
 
-    Each end has its values.
+    Each end has its values; where that of ``low`` is not positive, the place is ``low``.
     """
     (left, below), (right, above) = low, high
     side = np.zeros(left.shape)
-    for _ in range(5):
-        middle = left + (right - left) * below / (below - above)
+    for _ in range(6):
+        middle = (np.sqrt(left) + (np.sqrt(right) - np.sqrt(left)) * below / (below - above)) ** 2
         value = function(middle)
         over = value <= 0.0
         # An end that stays counts half
         left, below = np.where(over, left, middle), np.where(over, np.where(side > 0.0, below / 2.0, below), value)
         right, above = np.where(over, middle, right), np.where(over, value, np.where(side < 0.0, above / 2.0, above))
         side = np.where(over, 1.0, -1.0)
-    return right
+    return np.where(low[1] <= 0.0, low[0], right)
 
 
 def _over(value: Array, divisor: tuple[Array, Array]) -> Array:
