@@ -126,17 +126,18 @@ def test_the_least_peak_acceleration_is_even() -> None:
     """Two even accelerations take the slider over its stroke 2 r in half a turn: 4 (2 r)/(T/2)^2 with T = 1 s."""
     for share, possible in ((0.97, False), (1.001, True)):
         asked = Demands(0.02, 50.0, acceleration_mm_s2=share * 32.0 * RADIUS)
-        assert Sweeps(task(False), asked, 90).possible(limits()).tolist() == [possible]
+        assert Sweeps(task(False), asked, 48).possible(limits()).tolist() == [possible]
 
 
 def test_no_value_between_two_steps_is_refused() -> None:
     """A crank that may not change its speed needs r w^2: a little more lets it be, wherever the curve begins."""
-    for fastest in (0.5, 0.51, 0.52, 0.53):
+    for fastest in (0.5, 0.52):
         for share, possible in ((0.9995, False), (1.0005, True)):
             asked = Demands(fastest, 2.0, steepness=1e-7, acceleration_mm_s2=share * RADIUS * SPEED**2)
             assert Sweeps(task(False), asked, 24).possible(limits()).tolist() == [possible]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("masses", [0.0, 1e-9, 1e-4])
 def test_least_power_against_an_even_force_is_the_mean_power(masses: float) -> None:
     """Without masses the power of the working stroke may be even: the work F 2 r of a second, and a quick return.
@@ -164,6 +165,7 @@ def test_a_stretch_takes_its_share_of_the_least_ratio_at_least() -> None:
         assert sweeps.possible(limits()).tolist() == [least < 1.0]
 
 
+@pytest.mark.thorough
 def test_the_flank_load_of_an_even_crank_is_not_under_the_limit() -> None:
     """On an even crank M (1 + s)^3 = 8 F r is pressed at cos(alpha) by a flank load of 8 F r / cos(alpha)."""
     sweeps = Sweeps(task(False), Demands(ratio_min=0.5, ratio_max=2.0), 60)

@@ -127,7 +127,7 @@ class Sweeps:
                 before = curve.copy()
                 for way, calm in resting:
                     self._sweep(barriers, way, curve, lines[max(-way, 0)], calm)
-                possible = self._has_time(limits, curve, lines)
+                possible = self._has_time(curve, lines)
                 # Nothing more is asked of what is certain
                 curve[:, np.logical_not(possible)] = LOWERED * self._floor
                 if np.max((before - curve)[:, possible], initial=0.0) < SETTLED:
@@ -154,9 +154,7 @@ class Sweeps:
             still = way <= STANDING * self.task.linkage.stroke_mm
             at_rest = (1.0 + ROUNDING) * asked.acceleration_mm_s2 / (speed**2 * bend)
             fastest = np.where(still, np.minimum(fastest, at_rest), fastest)
-        highest = self._without_masses(limits)
-        beside = np.minimum(np.vstack([highest, highest[-1:]]), np.vstack([highest[:1], highest]))
-        return np.asarray(np.minimum(fastest[:, None], beside))
+        return np.repeat(fastest[:, None], limits.count, axis=1)
 
     def _sweep(self, barriers: Barriers, way: int, curve: Array, lines: Array, resting: Line) -> None:
         """Lower a curve from cell to cell, forwards (``way`` 1) or backwards (-1), and its barriers' lines, (2, n, k).
@@ -228,18 +226,9 @@ class Sweeps:
         )
         return Barriers(own, self.asked.steepness, self.step, (self._floor, self._cap))
 
-    def _without_masses(self, limits: SweptLimits) -> Array:
-        """The greatest q in each cell that the power lets be without masses, shape (n, k); infinite with them."""
-        known = self.known
-        moving = bool(np.any(known.by_rate > 0.0)) or bool(np.any(limits.flywheel_kg_mm2[1] > 0.0))
-        torque = np.maximum(np.abs(known.static).min(axis=1) - np.abs(np.diff(known.static, n=2, axis=1))[:, 0], 0.0)
-        most = (1000.0 * limits.power_w / (self.task.speed_rad_s * torque[:, None])) ** 2
-        driven = np.all(known.static > 0.0, axis=1)[:, None]
-        return np.asarray(np.where(driven & (not moving), most, inf))
-
-    def _has_time(self, limits: SweptLimits, curve: Array, lines: Array) -> Array:
+    def _has_time(self, curve: Array, lines: Array) -> Array:
         """Whether the time of the cycle, and of stretches of wishes, is enough below a curve, shape (k,)."""
-        shortest = self._shortest(curve, lines, self._without_masses(limits))
+        shortest = self._shortest(lines)
         room = 1.0 + ROUNDING
         kept = (shortest.sum(axis=0) <= self.task.cycle_rad * room) & np.all(curve >= self._floor / room, axis=0)
         middle = (self.known.ends_rad[1:] + self.known.ends_rad[:-1]) / 2.0
@@ -248,7 +237,7 @@ class Sweeps:
             kept &= shortest[within].sum(axis=0) <= one.most_rad * room
         return np.asarray(kept)
 
-    def _shortest(self, curve: Array, lines: Array, highest: Array) -> Array:
+    def _shortest(self, lines: Array) -> Array:
         """The least time in each cell: motions stay below the lines from both ends, and 1/sqrt is convex."""
         step = self.step[:, None]
         (begin, forward), (end, backward) = lines
@@ -258,7 +247,7 @@ class Sweeps:
             np.minimum(begin + forward * at, end + backward * (at - step)) for at in (np.zeros_like(step), place, step)
         )
         mean = ((first + apex) * place + (apex + last) * (step - place)) / (2.0 * step)
-        return np.asarray(step / np.sqrt(np.fmin(mean, np.minimum(self._cap, highest))))
+        return np.asarray(step / np.sqrt(np.fmin(mean, self._cap)))
 
 
 def least_flank_load(
