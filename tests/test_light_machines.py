@@ -10,10 +10,11 @@ import pytest
 
 from ncgear.design.reading.design_file import parsed
 from ncgear.errors import WrongInput
-from ncgear.optimum.certified.sweeps import Sweeps, SweptLimits, least_power
+from ncgear.optimum.certified.sweeps import Sweeps, SweptLimits, least_flank_load, least_power
 from ncgear.optimum.makeable.demanded import demands_of
 from ncgear.project.law_task import inertia_as_given, task_of
-from ncgear.whole_machines.laws import law_design, law_wishes
+from ncgear.whole_machines.laws import LawJob, law_design, law_wishes, laws_of
+from ncgear.whole_machines.limits import without_flywheel
 
 LIGHT = """\
 name: light
@@ -41,6 +42,27 @@ def test_sweeps_of_a_light_machine_refuse_no_power_of_a_law() -> None:
     powers = np.linspace(71.43, 100.0, 25)
     assert sweeps.possible(SweptLimits(np.full(25, inf), powers, np.repeat(flywheel, 25, axis=1))).all()
     assert least_power(sweeps, flywheel, np.array([100.0]))[0] < 71.42
+
+
+@pytest.mark.slow
+@pytest.mark.long
+@pytest.mark.judges("optimum", "whole_machines")
+@pytest.mark.parametrize("masses", [0.05, 5.0])
+def test_limits_are_near_laws_however_light_the_machine(masses: float) -> None:
+    """No law that is found lies below a limit, neither with a twentieth of the masses nor with five times of them."""
+    heavy = LIGHT
+    for given in ("slider_kg: 3", "mass_kg: 0.5", "inertia_kg_mm2: 1500", "mass_kg: 0.4"):
+        name, value = given.split()
+        heavy = heavy.replace(given, f"{name} {float(value) * masses:g}")
+    design = parsed(heavy, Path("light.yaml")).design
+    laws = [one for one in laws_of(design, LawJob(0.0, None)) if one.found.peak_power_w > 80.0]
+    sweeps, nothing = Sweeps(*without_flywheel(design)), np.zeros((2, len(laws)))
+    power = np.array([one.found.peak_power_w for one in laws]) * (1.0 + 1e-6)
+    load = np.array([one.flank_load_n_mm for one in laws])
+    assert load.size >= 3
+    share = least_flank_load(sweeps, power, nothing, 1.05 * load) / load
+    assert np.all(share > 0.97)
+    assert np.all(share <= 1.0)
 
 
 def test_a_law_that_pairs_share_by_their_number_is_not_optimised() -> None:
