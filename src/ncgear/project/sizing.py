@@ -299,8 +299,9 @@ def smallest_accepted(
 ) -> Sized | None:
     """The smallest gears that hold and are accepted, among a number that is computed; None where there are none.
 
-    Where there are none, as many are computed again, by the guesses that those computed allow.  Where gears have too few teeth, no gears of the same or a smaller module with less than ``FINER_BY`` times as many
-    teeth are tried any more.
+    Where there are none, as many are computed again, by the guesses that those computed allow.  Where gears have too
+    few teeth, no gears of the same or a smaller module with less than ``FINER_BY`` times as many teeth are tried any
+    more.
 
     Sizes are tried in the order of the volume that all computed gears suggest, until no other size is guessed to need
     less than the smallest found.  Raises as ``rating_of`` does for the design as given where no larger module can be
