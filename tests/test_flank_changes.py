@@ -243,6 +243,53 @@ def test_a_pair_that_comes_and_goes_swings_the_driven_side_as_by_another_solver(
         assert highest(found, low, high, 1.0) == pytest.approx(most, rel=0.03)
 
 
+@pytest.mark.slow
+def test_a_driven_side_that_swings_more_slowly_than_teeth_pass_follows_them() -> None:
+    """17 swings a turn on 60 teeth, of which two bear for half of each pitch, as by DOP853 from pitch to pitch."""
+    count, heavy, low, high = 60, 2.0 * TURNING / (17.0 * SPEED) ** 2, 1e5, 3e5
+    breaks = np.linspace(0.0, TURN, 2 * count + 1)
+    pair = np.zeros((5, 2 * count, 2, 5))[:1].repeat(2, axis=0)
+    pair[1] = [0.0, LEVER_MM, 0.0, 0.0, STIFFNESS]
+    pair[1, ::2, 1, 0] = -6e-2
+    numbers = np.zeros((2 * count, 2, 2), dtype=int) + (np.arange(2 * count) // 2 + 1)[:, None, None]
+    gaps = Gaps(
+        PeriodicTable(breaks, pair),
+        np.ones((2 * count, 2)),
+        numbers,
+        np.full(2 * count, np.inf),
+        np.zeros(2, dtype=int),
+    )
+    damped = 20.0 * DAMPED
+    mesh = Meshing(teeth().law, gaps, Impact(1.0, damped, 1e-6), Friction(0.0, 0.0, 1.0, 2.0))
+
+    def asked(phi1_rad: np.ndarray) -> np.ndarray:
+        return np.where(phi1_rad % TURN < pi, low, high)
+
+    found = borne_torque(mesh, load(heavy), asked, SPEED, TURN)
+    assert found.knocks
+
+    def moment(pairs: int, x: float, v: float) -> float:
+        return pairs * LEVER_MM * max(-LEVER_MM * (STIFFNESS * x + damped * v), 0.0) if x < 0.0 else 0.0
+
+    state, most = (-high / TURNING, 0.0), 0.0
+    for half in range(4 * count):
+        pairs, torque = 1 + half % 2, low if half % (2 * count) < count else high
+        solved = solve_ivp(
+            lambda time_s, has, pairs=pairs, torque=torque: [has[1], (moment(pairs, *has) - torque) / heavy],
+            (0.0, TURN / SPEED / (2 * count)),
+            state,
+            method="DOP853",
+            rtol=1e-8,
+            atol=1e-12,
+            max_step=1e-3,
+        )
+        state = tuple(solved.y[:, -1])
+        if half >= 2 * count:
+            most = max(most, *(moment(pairs, *has) for has in solved.y.T))
+    assert most > 1.2 * high
+    assert highest(found, 0.0, TURN, 1.0) == pytest.approx(most, rel=0.01)
+
+
 @pytest.mark.parametrize("speed_rad_s", [SPEED, SPEED / 100.0])
 def test_a_jump_is_overshot_as_in_closed_form(speed_rad_s: float) -> None:
     """However slowly the machine turns."""

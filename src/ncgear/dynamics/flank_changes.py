@@ -44,6 +44,9 @@ PER_SWING = 24
 """Steps in a swing of the driven side on two pairs of teeth: the error of its time is (2 pi / 24)^2 / 24, 0.3 %, and
 four pairs are far from the 3.2 steps at which the method fails."""
 
+PER_PITCH = 48
+"""Least steps in a pitch: where the driven side swings more slowly than teeth pass, as with a flywheel."""
+
 HELD = 4
 """Steps for which arms, stiffness, loads and inertia keep their values of the middle: a sixth of a swing.  Gaps keep
 changing: meeting teeth close gaps of many times the depth to which load presses them."""
@@ -319,7 +322,8 @@ class _DrivenSide:
         """The time between two steps of the swings from a place on, and how fast these are in rad/s."""
         way = 2.0 * pi * self.speed_rad_s * SWINGS / self.swings_rad_s(np.array([phi1_rad]))
         swing = float(self.swings_rad_s(phi1_rad + way * np.linspace(0.0, 1.0, PER_SWING)).max())
-        return 2.0 * pi / (PER_SWING * self.finer * swing), swing
+        steps = max(PER_SWING * swing, PER_PITCH * self.speed_rad_s * int(self.meshing.gaps.pair[..., 0].max()))
+        return 2.0 * pi / (steps * self.finer), swing
 
     def swings_rad_s(self, phi1_rad: Array) -> Array:
         """How fast the driven side swings on two pairs of teeth at driving angles, shape (n,), in rad/s."""
