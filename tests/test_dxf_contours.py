@@ -250,6 +250,23 @@ def there_and_back(space: Any) -> None:
     space.add_lwpolyline(points[20:30])
 
 
+def over_halves(space: Any) -> None:
+    """A closed polyline, and two open ones over it that overlap each other and so make no contour."""
+    points = [ellipse_at(number / 90.0)[:2] for number in range(90)]
+    space.add_lwpolyline(points[:60])
+    space.add_lwpolyline([*points[40:], *points[:10]])
+    space.add_lwpolyline(points, close=True)
+
+
+def ellipse_of_chords(space: Any) -> None:
+    space.add_lwpolyline([ellipse_at(number / 90.0)[:2] for number in range(90)], close=True)
+
+
+def edges_mm(*numbers: int) -> float:
+    """Length of chords of the ellipse of 90 points."""
+    return sum(dist(ellipse_at(i / 90.0), ellipse_at((i + 1) / 90.0)) for i in numbers)
+
+
 def a_circle_over_arcs(space: Any) -> None:
     for start in (0.0, 90.0, 180.0, 270.0):
         space.add_arc((3.0, 0.0), 30.0, start, start + 90.0)
@@ -260,14 +277,11 @@ def a_circle_over_arcs(space: Any) -> None:
     ("add", "alone", "doubled_mm"),
     [
         (twice, None, 2 * 20.0 + 2 * 20.0 * pi),
-        (
-            there_and_back,
-            lambda space: space.add_lwpolyline([ellipse_at(i / 90.0)[:2] for i in range(90)], close=True),
-            sum(dist(ellipse_at(i / 90.0), ellipse_at((i + 1) / 90.0)) for i in [*range(90), *range(20, 29)]),
-        ),
+        (there_and_back, ellipse_of_chords, edges_mm(*range(90), *range(20, 29))),
+        (over_halves, ellipse_of_chords, edges_mm(*range(59), *range(40, 99))),
         (a_circle_over_arcs, circle, 2.0 * pi * 30.0),
     ],
-    ids=["entities", "polylines", "circle over arcs"],
+    ids=["entities", "polylines", "halves", "circle over arcs"],
 )
 def test_what_is_drawn_twice_counts_once_and_is_remarked(
     tmp_path: Path, add: Callable[[Any], object], alone: Callable[[Any], object] | None, doubled_mm: float

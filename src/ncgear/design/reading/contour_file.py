@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ncgear.design.keys.pitch_shapes import MOST_CURVES
+from ncgear.design.reading.long_chains import DxfText
 from ncgear.design.reading.places import FromFile
 from ncgear.design.reading.text import quoted, read_bytes
 from ncgear.design.words import listed
@@ -29,6 +30,9 @@ if TYPE_CHECKING:
     from ezdxf.math import BSpline
 
 LARGEST_MB = 20
+
+LARGE = 100_000
+"""Bytes of a file from which on long chains are read by themselves."""
 
 READ = ("LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE")
 """Entities of a contour; blocks are taken apart, and all other entities of a drawing are passed over."""
@@ -96,7 +100,10 @@ def contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
 def _document(file: Path) -> Drawing:
     """The drawing; a file that only looks like a drawing is refused with the reason."""
     import ezdxf
+    from ezdxf.entities import LWPolyline
+    from ezdxf.filemanagement import dxf_file_info
     from ezdxf.lldxf.const import DXFStructureError
+    from ezdxf.lldxf.validator import is_binary_dxf_file, is_dxf_file
 
     content = read_bytes(file, limit_mb=LARGEST_MB)
     if content[:4] in (b"AC10", b"AC1."):
@@ -104,7 +111,14 @@ def _document(file: Path) -> Drawing:
     try:
         if content.startswith(codecs.BOM_UTF8):
             return ezdxf.read(StringIO(content.decode("utf-8-sig"), newline=None))
-        return ezdxf.readfile(str(file))
+        if len(content) < LARGE or is_binary_dxf_file(str(file)) or not is_dxf_file(str(file)):
+            return ezdxf.readfile(str(file))
+        cut = DxfText(content.decode(dxf_file_info(str(file)).encoding, errors="surrogateescape"))
+        document = ezdxf.read(StringIO(cut.text))
+        for one in document.modelspace():
+            if isinstance(one, LWPolyline) and (number := -int(one.dxf.get("const_width", 0.0))) > 0:
+                one.lwpoints.values = cut.chains[number - 1]
+        return document
     except DXFStructureError as error:
         if "missing EOF" not in str(error):
             raise
@@ -182,7 +196,8 @@ def _curves(entity: DXFEntity) -> Iterator[BSpline | list[Vertex]]:
         line = _without_flat_bulges(entity)
         if isinstance(line, kinds.LWPolyline) and not line.has_arc:
             # A traced outline may have many chords: one chain has them all.
-            points = [(x, y, line.dxf.elevation) for x, y in _vertices(line)]
+            height = line.dxf.elevation
+            points = [(x, y, height) for x, y in _vertices(line)]
             if (ocs := line.ocs()).transform:
                 points = [tuple(one) for one in ocs.points_to_wcs(Vec3.generate(points))]
             if len(points) > 1:
@@ -348,9 +363,10 @@ def _step(values: Iterable[float]) -> float:
 
     Numbers of one power of ten share the least step among them; the coarser step of the two highest powers counts.
     """
-    sizes = sorted({abs(value) for value in values if isfinite(value)} - {0.0}, reverse=True)[:MOST_SEEN]
+    sizes = np.unique(np.abs(np.fromiter(values, dtype=float)))
+    sizes = sizes[np.isfinite(sizes) & (sizes > 0.0)][-MOST_SEEN:]
     largest, finest = max(sizes, default=0.0), dict[int, float]()
-    for value in sizes:
+    for value in sizes.tolist():
         if value >= largest / 10.0:
             exponent = Decimal(repr(value)).normalize().as_tuple().exponent
             power = floor(log10(value))

@@ -18,6 +18,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from ncgear.design.reading.contour_file import chords_joined, chords_of
+from ncgear.design.reading.long_chains import svg_chain, svg_points
 from ncgear.design.reading.places import FromFile
 from ncgear.design.reading.text import quoted, read_bytes
 from ncgear.design.words import listed
@@ -37,11 +38,14 @@ MM_PER_PX = 25.4 / PX_PER_INCH
 LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 """The name of a layer, as its program shows it."""
 
-NAME, WANTED = "ncgear-name", "ncgear-wanted"
-"""Attributes for the name of an element and for the wanted one."""
+NAME, WANTED, CHAIN = "ncgear-name", "ncgear-wanted", "ncgear-chain"
+"""Attributes for the name of an element, for the wanted one, and for the number of a long chain of chords."""
 
 UNREADABLE = (ValueError, ArithmeticError, TypeError, LookupError, AttributeError, SyntaxError, RecursionError)
 """Errors of the libraries for files that they cannot read."""
+
+SHORT = {"d": "M0,0 1,0", "points": "0,0 1,0"}
+"""What stands in place of a long chain of chords."""
 
 REFERRED = ("symbol", "mask", "marker")
 HIDDEN = ("hidden", "collapse")
@@ -76,7 +80,8 @@ def svg_contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
         tree = ElementTree.fromstring(content)
         if _kind(tree) != "svg":
             raise WrongInput(f"is no SVG file: its first element is {quoted(_kind(tree))}", location=str(file))
-        document = SVG.parse(BytesIO(_marked(tree, wanted)), reify=False, ppi=PX_PER_INCH)
+        text, chains = _marked(tree, wanted)
+        document = SVG.parse(BytesIO(text), reify=False, ppi=PX_PER_INCH)
         drawn = [one for one in document.elements() if isinstance(one, Shape)]
         shapes = [one for one in drawn if one.values.get("visibility") not in HIDDEN]
         mm = MM_PER_PX * _sharpened(document)
@@ -90,7 +95,7 @@ def svg_contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
     with np.errstate(over="ignore", invalid="ignore"):
         for shape in shapes:
             if wanted is None or WANTED in shape.values:
-                outer, left_out = _without_holes(list(_parts(shape, height_mm, mm, file)))
+                outer, left_out = _without_holes(list(_parts(shape, chains, height_mm, mm, file)))
                 curves, holes = [*curves, *outer], holes + left_out
     curves = chords_joined(curves, file)
     if not curves:
@@ -107,16 +112,22 @@ def _kind(element: ElementTree.Element) -> str:
     return element.tag.rpartition("}")[2]
 
 
-def _marked(tree: ElementTree.Element, wanted: str | None) -> bytes:
-    """The file with the names of elements and the mark of the wanted one, which the library hands down to their parts.
+def _marked(tree: ElementTree.Element, wanted: str | None) -> tuple[bytes, list[Array]]:
+    """The file with the names of elements and the mark of the wanted one, which the library hands down to their parts,
+    and with long chains of chords cut out, whose points have shape (n, 2) each.
 
     What is drawn only where another element refers to it goes to the definitions, since the library draws it.  A page
     within the page that only moves its content becomes a group, since the library does not move it.
     """
+    chains = list[Array]()
     for one in list(tree.iter()):
         names = [name for key in ("id", LABEL) if (name := one.get(key))]
         one.attrib.update({NAME: names[0]} if names else {})
         one.attrib.update({WANTED: ""} if wanted in names else {})
+        if (points := _long_chain(one)) is not None:
+            one.set(CHAIN, str(len(chains)))
+            one.attrib |= {key: text for key, text in SHORT.items() if key in one.attrib}
+            chains.append(points)
         for number, part in enumerate(one):
             if _kind(part) == "svg" and part.get("viewBox") is None:
                 part.tag = part.tag.removesuffix("svg") + "g"
@@ -124,14 +135,24 @@ def _marked(tree: ElementTree.Element, wanted: str | None) -> bytes:
             if _kind(part) in REFERRED:
                 one[number] = ElementTree.Element("defs")
                 one[number].append(part)
-    return ElementTree.tostring(tree)
+    return ElementTree.tostring(tree), chains
 
 
-def _parts(shape: Shape, height_mm: float, mm: float, file: Path) -> Iterator[dict[str, Any]]:
+def _long_chain(element: ElementTree.Element) -> Array | None:
+    """The vertices of an element that is a long chain of chords; None for another one."""
+    if _kind(element) == "path":
+        return svg_chain(element.get("d", ""))
+    if _kind(element) not in ("polygon", "polyline") or (points := svg_points(element.get("points", ""))) is None:
+        return None
+    return np.concatenate([points, points[:1]]) if _kind(element) == "polygon" else points
+
+
+def _parts(shape: Shape, chains: list[Array], height_mm: float, mm: float, file: Path) -> Iterator[dict[str, Any]]:
     """The parts of an element in mm (of a pixel) from the lower left corner of the page; affine maps keep weights."""
     on = shape.transform
     linear, offset = mm * np.array([[on.a, -on.b], [on.c, -on.d]]), np.array([mm * on.e, height_mm - mm * on.f])
-    for points, weights in _curves(shape.segments(transformed=False)):
+    cut = [(chains[int(shape.values[CHAIN])], None)] if CHAIN in shape.values else None
+    for points, weights in cut or _curves(shape.segments(transformed=False)):
         moved = points @ linear + offset
         # Lines along each other are one chain of chords, with each vertex once.
         kept = moved if weights is not None else moved[np.append(np.any(np.diff(moved, axis=0) != 0.0, axis=1), True)]
@@ -155,7 +176,8 @@ def _without_holes(parts: list[dict[str, Any]]) -> tuple[list[dict[str, Any]], i
     near = SAME * float(np.max(np.ptp(np.concatenate(lines), axis=0)))
     starts = [i for i, line in enumerate(lines) if not i or np.max(np.abs(line[0] - lines[i - 1][-1])) > near]
     contours = list(pairwise([*starts, len(parts)]))
-    if any(np.max(np.abs(lines[begin][0] - lines[end - 1][-1])) > near for begin, end in contours):
+    closed = all(np.max(np.abs(lines[begin][0] - lines[end - 1][-1])) <= near for begin, end in contours)
+    if len(contours) < len(("outer", "inner")) or not closed:
         return parts, 0
     areas = [Polygon(np.concatenate(lines[begin:end])) for begin, end in contours]
     outer = int(np.argmax([one.area for one in areas]))
