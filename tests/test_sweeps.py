@@ -129,8 +129,8 @@ def test_the_least_peak_acceleration_is_even() -> None:
         assert Sweeps(task(False), asked, 48).possible(limits()).tolist() == [possible]
 
 
-def test_no_value_between_two_steps_is_refused() -> None:
-    """A crank that may not change its speed needs r w^2: a little more lets it be, wherever the curve begins."""
+def test_a_crank_of_even_speed_needs_its_acceleration() -> None:
+    """A crank that may not change its speed needs r w^2; a little more lets it be."""
     for fastest in (0.5, 0.52):
         for share, possible in ((0.9995, False), (1.0005, True)):
             asked = Demands(fastest, 2.0, steepness=1e-7, acceleration_mm_s2=share * RADIUS * SPEED**2)
