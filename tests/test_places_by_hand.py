@@ -17,7 +17,7 @@ from shapely import LinearRing, Point, Polygon, box, points
 
 from ncgear.cli.lookup import _into_settings
 from ncgear.cli.progress import Lines
-from ncgear.drivetrain.shafts import STEELS, ShaftSection, shaft_safety
+from ncgear.drivetrain.shafts import STEELS, BentShaft, ShaftSection, shaft_safety
 from ncgear.dynamics.train_knocks import KnockingTrain
 from ncgear.errors import Unanswered
 from ncgear.figures.advice.law_advice import stretches_in_words
@@ -158,7 +158,7 @@ def test_a_shafts_torsion_swings_about_the_middle_of_its_least_and_largest_torqu
         return 0j * phi1, 2000.0 - 1000.0 * np.cos(phi1), phi1
 
     places = np.linspace(0.0, 2.0 * pi, 9)
-    found = shaft_safety(section, borne, places, np.zeros(1)).stresses
+    found = shaft_safety(section, BentShaft(borne, places, np.zeros(1))).stresses
     unit = 1000.0 / (pi * 20.0**3 / 16.0)
     assert found.torsion_amplitude_mpa == pytest.approx(unit)
     assert found.torsion_mean_mpa == pytest.approx(2.0 * unit)
