@@ -41,7 +41,7 @@ def machine_of(folder: Path, **keys: Any) -> Drive:
     train = {"kind": "planetary", "speed_rpm": 60, "ratio": UNEVEN, "gears": GEARS, **keys}
     place = folder / "train.yaml"
     place.write_text(json.dumps({"name": "mine", "train": train}), encoding="utf-8")
-    return Drive(load(place).design)
+    return Drive(load(place, for_loads=True).design)
 
 
 CHAINS: list[dict[str, Any]] = [

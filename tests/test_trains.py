@@ -419,6 +419,7 @@ def test_a_check_says_what_the_train_is(run: Run) -> None:
     assert (status, err) == (0, "")
     assert "planetary train, compound idler, 1 arm" in out
     assert "Not judged: forces" in out
+    assert "teeth (undercut, tips and strength" in out
 
 
 @at_once("command", ["report", "simulate", "strength", "balance", "tolerance", "size"])
@@ -429,6 +430,15 @@ def test_other_commands_say_what_works(run: Run, command: str) -> None:
     assert status == 2
     assert err.startswith("mine.yaml:4:1: train: ")
     assert "`ncgear check`, `build` and `animate`" in err
+
+
+@at_once("command", ["report", "simulate", "size", "compare mine.yaml", "sweep --vary train.speed_rpm=60:90"])
+def test_gears_on_a_carrier_have_no_power_of_gears_on_fixed_axes(run: Run, command: str) -> None:
+    """Loads hold for both; the power of the sun as it turns beside the carrier is nobody's."""
+    _ = written(FILE)
+    status, _, err = run(*command.split(), "mine.yaml")
+    assert status == 2
+    assert "of planetary trains also `strength` and `tolerance`" in err
 
 
 @at_once(
@@ -492,6 +502,7 @@ def test_the_worked_transplanter_keeps_its_promises(run: Run, tmp_path: Path) ->
         "balance": True,
         "meshes": True,
         "room": True,
+        "teeth": None,
     }
     assembly = json.loads((out / "assembly.json").read_text())
     parts = {one["name"]: one for one in assembly["parts"]}

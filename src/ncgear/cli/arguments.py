@@ -125,10 +125,11 @@ Timing = Annotated[bool, typer.Option("--timing", help="Also print, to stderr, h
 
 
 @contextmanager
-def opened(path: Path, *, offers_fit: bool = True) -> Iterator[LoadedDesign]:
+def opened(path: Path, *, offers_fit: bool = True, for_loads: bool = False) -> Iterator[LoadedDesign]:
     """A context with the design of a file; errors raised in it get the place of their key in that file.
 
     An error about a drawn pitch curve or its teeth names the command that finds the nearest one, unless it is running.
+    The gears of a carrier are a design only ``for_loads``.
     """
     from ncgear.design.reading.design_file import load
 
@@ -139,7 +140,7 @@ def opened(path: Path, *, offers_fit: bool = True) -> Iterator[LoadedDesign]:
         real_place(path)
     # The work that follows computes with large arrays.
     keep_freed_memory()
-    loaded = load(path)
+    loaded = load(path, for_loads=for_loads)
     with located(loaded.source):
         try:
             yield loaded

@@ -281,7 +281,7 @@ def strength(
     timing: Timing = False,
 ) -> None:
     """Say whether the teeth hold: safety and life of every tooth, the weakest first, and what would do."""
-    with opened(design_file) as loaded:
+    with opened(design_file, for_loads=True) as loaded:
         folder = prepared(out, f"{loaded.design.name}-strength")
 
         from ncgear.figures.advice.strength_advice import SIZE, remedies

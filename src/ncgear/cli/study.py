@@ -194,7 +194,7 @@ def tolerance(
     if not FEWEST <= samples <= MOST or samples & (samples - 1):
         nearest = min(max(1 << max(samples, 1).bit_length(), FEWEST), MOST)
         raise WrongInput(f"{samples} is no power of two from {FEWEST} to {MOST}; {nearest} is right", key="--samples")
-    with opened(design_file) as loaded:
+    with opened(design_file, for_loads=True) as loaded:
         folder = prepared(out, f"{loaded.design.name}-tolerance")
 
         from ncgear.figures.toleranced import tolerance_answer, tolerance_json

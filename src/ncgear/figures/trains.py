@@ -97,6 +97,7 @@ def judged_contacts(
     return (
         TrainCondition("meshes", not said, "; ".join(said) or met),
         TrainCondition("room", not room, "; ".join(room) or passing),
+        TEETH,
     )
 
 
@@ -104,7 +105,11 @@ def _meets(one: MeshContact, how: str, value_mm: float, at_rad: float) -> str:
     return f"{one.first} and {one.second} {how} {to_digits(value_mm, 3)} mm at {in_words(at_rad)}"
 
 
+TEETH = TrainCondition("teeth", None, "undercut, tips and strength are for ncgear strength, where it takes the kind")
+"""What neither a check nor a build of a train says of its teeth."""
+
 NOT_BUILT = (
+    TEETH,
     TrainCondition("meshes", None, "polygons are compared in a build"),
     TrainCondition("room", None, "polygons are compared in a build"),
 )

@@ -92,7 +92,12 @@ def _limit_rows(found: WholeMachines) -> list[Row]:
     if limits is None:
         return []
     own = limits.each[found.recommended]
-    rows = [Row("least power", (f"{to_digits(limits.power_w, 4)} W at least, whatever the law (certified)",))]
+    rows = [
+        Row(
+            "least power",
+            (f"{to_digits(limits.power_w, 4)} W at least by gears of such inertia, whatever the law (certified)",),
+        )
+    ]
     if own.flank_load_n_mm > 0.0:
         gap = fixed(100.0 * own.flank_load_gap, 1)
         rows.append(Row("flank load", (f"{gap} % over a limit that no law of this power goes below",)))

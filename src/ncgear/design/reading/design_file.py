@@ -65,19 +65,20 @@ class LoadedDesign:
         return self.source.data
 
 
-def load(path: Path) -> LoadedDesign:
+def load(path: Path, *, for_loads: bool = False) -> LoadedDesign:
     """Read and check a design file; WrongInput says where and what is wrong, up to ten faults in the file's order.
 
-    A train that is a machine of gears by themselves is read as such a machine.
+    A train that is a machine of gears by themselves is read as such a machine; the gears of a carrier, as it sees them,
+    only ``for_loads``.
     """
     text = read_text(path, limit_mb=LARGEST_MB)
     document = read_yaml(text, str(path))
     if isinstance(document.data, dict) and "train" in document.data:
-        document, text = _as_machine(document, text)
+        document, text = _as_machine(document, text, for_loads=for_loads)
     return design_of(document, text, path)
 
 
-def _as_machine(document: Document, text: str) -> tuple[Document, str]:
+def _as_machine(document: Document, text: str, *, for_loads: bool) -> tuple[Document, str]:
     """The file of a train and its text as those of the machine that it is; as they are where it is none.
 
     Keys have their places in the train's file.
@@ -85,7 +86,7 @@ def _as_machine(document: Document, text: str) -> tuple[Document, str]:
     loaded = _train_of(document)
     file = loaded.file
     with located(loaded.source):
-        keys = file.train.machine()
+        keys = file.train.machine() if for_loads or file.train.TURNS_ALONE else None
     if keys is None:
         return document, text
     data = {"name": file.name, "description": file.description, **keys}
@@ -114,8 +115,8 @@ def refuse_train(document: Document, needed: str) -> None:
     """Refuse the file of a train of gears if another file is needed; raises WrongInput with the commands that work."""
     if "train" in document.data:
         problem = (
-            "the file has a train of gears, which `ncgear check`, `build` and `animate` take, and of chains and "
-            f"planetary trains also `strength`, `tolerance` and `report`; this needs {needed}"
+            "the file has a train of gears, which `ncgear check`, `build` and `animate` take, of planetary trains also "
+            f"`strength` and `tolerance`, and of chains `report`, `compare` and `sweep`, too; this needs {needed}"
         )
         raise WrongInput(problem, key="train", location=str(document.place("train")))
 

@@ -39,6 +39,9 @@ class TrainKeys(Model):
     MEANING: ClassVar[str]
     """The kind in a few words."""
 
+    TURNS_ALONE: ClassVar[bool] = True
+    """Whether ``machine`` turns as the train does; if its axes turn with a carrier, it has the loads and no power."""
+
     speed_rpm: Speed = required("speed of the driving part in r/min")
 
     def train(self) -> Train:

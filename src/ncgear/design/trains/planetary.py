@@ -165,6 +165,7 @@ class Planetary(RatedTrain):
 
     KIND = "planetary"
     MEANING = "a sun, idlers and planets on a carrier, with an arm on each planet"
+    TURNS_ALONE = False
     RULES = (
         "one of ratio path",
         "at most one of path arm_mm",
