@@ -132,7 +132,7 @@ def test_the_cheapest_motor_that_does() -> None:
         ({"flank_share": 1.1}, "a hob cuts", [], None),
         ({"flank_share": 0.99}, "a hob cuts", [], "the teeth do not hold"),
         ({"bending_share": 0.99, "flank_share": 2.0}, "a hob cuts", [], "the teeth do not hold"),
-        ({"flank_share": 1.1}, None, [], "gears of this kind cannot be hobbed"),
+        ({"flank_share": 1.1}, None, [], "gears of this kind cannot be hobbed (concave)"),
         ({"flank_share": 1.1}, "a hob cuts", [19.0], "no motor that can be had gives 20 W"),
         ({"flank_share": 1.1}, "a hob cuts", [21.0], None),
     ],
@@ -143,7 +143,7 @@ def test_a_machine_holds_is_cut_and_has_a_motor(
     """With a verdict that breaks nothing; what does not hold is told with the width that would do."""
     monkeypatch.setattr(machine_room, "judged", lambda drive, known, seconds: SimpleNamespace(rows=()))
     monkeypatch.setattr(machine_room, "machine_and_law_figures", lambda drive: (replace(HAS, **has), MEAN))
-    monkeypatch.setattr(machine_room, "cut_words", lambda drive, process: cut)
+    monkeypatch.setattr(machine_room, "cut_words", lambda drive, process: (cut is not None, cut or "concave"))
     monkeypatch.setattr(machine_room, "_wider", lambda drive: 1.3)
     rows = [{"name": "m", "power_w": power, "cost": 2.0} for power in motors]
     choices = Choices.model_validate({"motors": rows}) if rows else Choices()

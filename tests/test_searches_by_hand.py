@@ -323,9 +323,9 @@ def test_laws_are_kept_that_load_flanks_less_than_every_law_of_less_power(monkey
     ("process", "plastics", "verdicts", "words"),
     [
         ("printed", (True, True), (), "printed"),
-        ("printed", (False, False), (), None),
+        ("printed", (False, False), (), "of metal"),
         ("printed", (True, False), (), "printed"),
-        ("wire_cut", (True, False), (CUTS, CUTS), None),
+        ("wire_cut", (True, False), (CUTS, CUTS), "of plastic"),
         (
             "wire_cut",
             (False, False),
@@ -338,11 +338,11 @@ def test_laws_are_kept_that_load_flanks_less_than_every_law_of_less_power(monkey
             (CutVerdict.CUTS, CutVerdict.FLANKS),
             f"a {Tool.HOB.value} {CutVerdict.FLANKS.value}",
         ),
-        ("hobbed", (False, False), (CUTS, CutVerdict.NOT), None),
+        ("hobbed", (False, False), (CUTS, CutVerdict.NOT), "the driven gear: concave"),
     ],
 )
 def test_a_process_makes_what_its_tool_cuts(
-    process: Any, plastics: tuple[bool, ...], verdicts: tuple[CutVerdict, ...], words: str | None
+    process: Any, plastics: tuple[bool, ...], verdicts: tuple[CutVerdict, ...], words: str
 ) -> None:
     from ncgear.strength.materials import Plastic
     from ncgear.whole_machines import machine
@@ -350,9 +350,10 @@ def test_a_process_makes_what_its_tool_cuts(
     with pytest.MonkeyPatch.context() as patch:
         entries = [Made(entry=object.__new__(Plastic) if one else None) for one in plastics]
         patch.setattr(machine, "choices_of", lambda gears: entries)
-        made = [Made(by=[Made(tool=tool, verdict=verdict) for tool in Tool]) for verdict in verdicts]
+        made = [Made(by=[Made(tool=tool, verdict=verdict, reason="concave") for tool in Tool]) for verdict in verdicts]
         patch.setattr(machine, "cut_gears", lambda drive: made)
-        assert cut_words(Made(gears=None), process) == words
+        makes = not words.startswith(("of ", "the "))
+        assert cut_words(Made(gears=None), process) == (makes, words)
 
 
 @pytest.mark.judges("whole_machines")

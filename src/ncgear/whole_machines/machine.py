@@ -19,6 +19,7 @@ from ncgear.frozen import dataclass
 from ncgear.metrology.cut_by import CutVerdict, Tool
 from ncgear.numerics.units import KG_M2
 from ncgear.optimum.task import Figures, by_limit, figures
+from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.law_task import inertia_as_given, task_of
 from ncgear.project.service import choices_of
@@ -187,21 +188,22 @@ def ask_for_more_teeth(rows: Sequence[JudgedCondition]) -> bool:
     )
 
 
-def cut_words(drive: Drive, process: Process) -> str | None:
-    """How a process makes both gears, in words; None where it cannot."""
+def cut_words(drive: Drive, process: Process) -> tuple[bool, str]:
+    """Whether a process makes both gears, and how, or why not, in words."""
     plastic = [isinstance(one.entry, Plastic) for one in choices_of(drive.gears)]
     if process == "printed" or process == "wire_cut":
         # Plastics do not conduct, and printers of this kind print plastics
         if any(plastic) != (process == "printed"):
-            return None
+            return False, "of plastic" if any(plastic) else "of metal"
         if process == "printed":
-            return "printed"
+            return True, "printed"
     tool = TOOLS[process]
     cuts = [next(by for by in gear.by if by.tool is tool) for gear in cut_gears(drive)]
-    if any(by.verdict is CutVerdict.NOT for by in cuts):
-        return None
+    for gear, by in zip(Gear, cuts, strict=True):
+        if by.verdict is CutVerdict.NOT:
+            return False, f"the {gear.value} gear: {by.reason}"
     worst = max((by.verdict for by in cuts), key=[CutVerdict.CUTS, CutVerdict.FLANKS].index)
-    return f"a {tool.value if tool else ''} {worst.value}"
+    return True, f"a {tool.value if tool else ''} {worst.value}"
 
 
 def motor_for(choices: Choices, found: MachineFigures) -> AvailableMotor | None:
@@ -248,15 +250,15 @@ def judged_machine(text: str, process: Process, choices: Choices) -> WholeMachin
         if min(found.bending_share, found.contact_share, found.flank_share) < 1.0:
             wider = _wider(drive)
             missed.append("the teeth do not hold")
-        cut = cut_words(drive, process)
+        is_cut, cut = cut_words(drive, process)
     except DesignError as error:
         return Unfit((error.problem,))
-    if cut is None:
-        missed.append(f"gears of this kind cannot be {process.replace('_', ' ')}")
+    if not is_cut:
+        missed.append(f"gears of this kind cannot be {process.replace('_', ' ')} ({cut})")
     motor = motor_for(choices, found)
     if choices.motors and motor is None:
         missed.append(f"no motor that can be had gives {found.peak_power_w:.4g} W and {found.peak_torque_n_m:.4g} N m")
-    if missed or cut is None:
+    if missed:
         return Unfit(tuple(missed), wider)
     material = choices_of(drive.gears)[0].entry.name
     cost = cost_of(choices, found, motor, material, process)
