@@ -195,6 +195,19 @@ def test_a_torque_that_neither_turns_nor_jumps_is_borne_as_it_is() -> None:
         found = borne_torque(teeth(), load(), lambda phi1: 2e5 + 1e5 * np.sin(phi1), speed_rad_s, TURN)
         assert found.at(angles) == pytest.approx(found.asked(angles), rel=0.01)
         assert found.knocks == ()
+        assert found.slow_swings == 0.0
+
+
+def test_a_driven_side_that_swings_slowly_is_told_with_its_swings() -> None:
+    """20 swings a turn on two pairs, as k r^2 and the inertia have them; a hundredth of the speed leaves 2000."""
+    heavy = 2.0 * TURNING / (20.0 * SPEED) ** 2
+
+    def even_torque(phi1: np.ndarray) -> np.ndarray:
+        return np.full(phi1.shape, 2e5)
+
+    assert borne_torque(teeth(), load(heavy), even_torque, SPEED, TURN).slow_swings == pytest.approx(20.0, rel=1e-6)
+    assert borne_torque(teeth(), load(heavy), saw, SPEED, TURN).slow_swings == pytest.approx(20.0, rel=1e-6)
+    assert borne_torque(teeth(), load(heavy), even_torque, SPEED / 100.0, TURN).slow_swings == 0.0
 
 
 @pytest.mark.slow

@@ -93,7 +93,8 @@ class BorneTorque:
     ``asked`` is the torque of the law at driving angles, shape (n,).  From the first of ``phi1_rad`` (shape (m,),
     rising over two cycles at most) on there is ``torque_n_mm`` instead, shape (2, m): the moment of the normal forces,
     and the torque that turns the driven side, which friction makes smaller or larger; NaN stands between two stretches.
-    Where a place is followed in two cycles, the later cycle counts.
+    Where a place is followed in two cycles, the later cycle counts.  ``slow_swings`` is the number of swings in a cycle
+    of a driven side that swings too slowly to be followed as a whole: the torque may rouse them.  Else it is 0.
     """
 
     asked: Callable[[Array], Array]
@@ -102,6 +103,7 @@ class BorneTorque:
     torque_n_mm: Array = field(default_factory=lambda: np.empty((2, 0)))
     knocks: tuple[Knock, ...] | None = None
     others: tuple[BorneTorque, ...] = ()
+    slow_swings: float = 0.0
 
     def at(self, phi1_rad: Array) -> Array:
         """The torque of the normal forces at driving angles, shape (n,): the law's or the followed one, if larger.
@@ -160,9 +162,10 @@ def borne_torque(
     steps = cycle_rad / SAMPLES / speed_rad_s * driven.swings_rad_s(phi1)
     hurried = np.abs(np.roll(jump, -1) - jump) > SETTLED * most * np.minimum(steps, steps**2)
     rows = np.flatnonzero((flank != np.roll(flank, -1)) | (np.abs(jump) > JUMP * most) | hurried)
-    whole = FEWEST < float(steps.sum()) / (2.0 * pi) < FEW
+    swings = float(steps.sum()) / (2.0 * pi)
+    whole, slow = FEWEST < swings < FEW, swings if most and swings <= FEWEST else 0.0
     if not most or not (whole or rows.size):
-        return BorneTorque(asked, cycle_rad, knocks=())
+        return BorneTorque(asked, cycle_rad, knocks=(), slow_swings=slow)
     rows = rows if rows.size else np.zeros(1, dtype=int)
     # The longest stretch without a turn or a jump comes last: there the teeth have most time to settle.
     rows = np.roll(rows, -int(np.argmax(np.diff(rows, prepend=rows[-1] - SAMPLES))))
@@ -180,8 +183,9 @@ def borne_torque(
     first, *others = finer
     followed = once(replace(driven, finer=first), cycle_rad if whole else 2.0 * width_rad)
     if not followed.knocks:
-        return followed if whole else BorneTorque(asked, cycle_rad, knocks=())
-    return replace(followed, others=tuple(once(replace(driven, finer=one), 2.0 * width_rad) for one in others))
+        return followed if whole else BorneTorque(asked, cycle_rad, knocks=(), slow_swings=slow)
+    others_followed = tuple(once(replace(driven, finer=one), 2.0 * width_rad) for one in others)
+    return replace(followed, others=others_followed, slow_swings=slow)
 
 
 def _between(

@@ -76,8 +76,13 @@ def strength(drive: Drive) -> Advice | NotJudged | None:
 
 
 def unfollowed_knocks(rating: Rating) -> str:
-    """Why teeth whose load changes flanks may bear more than is known; empty where it does not, or that is known."""
+    """Why teeth of a machine with masses may bear more than is known; empty where they do not, or that is known."""
     loading = rating.loading
+    if loading.borne is not None and loading.borne.slow_swings:
+        return (
+            f"the driven side swings slowly on its teeth, {to_digits(loading.borne.slow_swings, 2)} times a cycle, as "
+            "with a flywheel, and the load may rouse that; ncgear simulate --level dynamic tells by how much"
+        )
     if loading.knocks is not None or rating.strength.load != "masses" or loading.torque_n_mm.min() >= 0.0:
         return ""
     return "the load changes flanks, where the teeth knock, which is followed only where every shaft has inertia"
