@@ -571,10 +571,10 @@ def test_usage_errors(run: Run, arguments: list[str]) -> None:
     assert "Traceback" not in err
 
 
-def failing(error: BaseException) -> Callable[[Path], None]:
+def failing(error: BaseException) -> Callable[..., None]:
     """A stand-in for loading that raises ``error``."""
 
-    def load(path: Path) -> None:
+    def load(path: Path, *, for_loads: bool) -> None:
         raise error
 
     return load
