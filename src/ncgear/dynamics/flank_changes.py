@@ -94,7 +94,7 @@ class BorneTorque:
     rising over two cycles at most) on there is ``torque_n_mm`` instead, shape (2, m): the moment of the normal forces,
     and the torque that turns the driven side, which friction makes smaller or larger; NaN stands between two stretches.
     Where a place is followed in two cycles, the later cycle counts.  ``slow_swings`` is the number of swings in a cycle
-    of a driven side that swings too slowly to be followed as a whole: the torque may rouse them.  Else it is 0.
+    of a driven side without knocks that swings too slowly to be followed: the torque may rouse them.  Else it is 0.
     """
 
     asked: Callable[[Array], Array]
@@ -184,8 +184,7 @@ def borne_torque(
     followed = once(replace(driven, finer=first), cycle_rad if whole else 2.0 * width_rad)
     if not followed.knocks:
         return followed if whole else BorneTorque(asked, cycle_rad, knocks=(), slow_swings=slow)
-    others_followed = tuple(once(replace(driven, finer=one), 2.0 * width_rad) for one in others)
-    return replace(followed, others=others_followed, slow_swings=slow)
+    return replace(followed, others=tuple(once(replace(driven, finer=one), 2.0 * width_rad) for one in others))
 
 
 def _between(
