@@ -13,7 +13,7 @@ from pydantic import BaseModel
 
 from at_once import at_once
 from drives import drive_of_text
-from ncgear.design.trains.planetary import TipPathKeys
+from ncgear.design.trains.tip_path import TipPathKeys
 from ncgear.drawings.animation import artists
 from ncgear.drawings.scene import standing
 from ncgear.errors import NoSuchMechanism, WrongInput

@@ -16,7 +16,7 @@ from drives import drive_of_text
 from ncgear.design.laws.ellipse import Ellipse
 from ncgear.design.laws.harmonic_ratio import HarmonicRatio
 from ncgear.design.laws.spiral import Spiral
-from ncgear.design.trains.planetary import TipPathKeys
+from ncgear.design.trains.tip_path import TipPathKeys
 from ncgear.drawings.scene.standing import SUPPORT, SUPPORT_HATCHES, support_hatches_mm
 from ncgear.dynamics.history import CRANK_BEARING
 from ncgear.dynamics.peaks import Peak

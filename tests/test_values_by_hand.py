@@ -233,7 +233,7 @@ def test_flanks_are_told_of_where_they_scuff_wear_or_are_hardly_parted(
         rating = object.__new__(Rating)
         object.__setattr__(rating, "strength", Made(method=""))
         patch.setattr(strength_advice, "known_rating", lambda _: rating)
-        patch.setattr(strength_advice, "unfollowed_knocks", lambda _: "")
+        patch.setattr(strength_advice, "unfollowed_motion", lambda _: "")
         for name, word in (("_scuffing", "scuff"), ("_wear", "wear"), ("_boundary", "film")):
             patch.setattr(strength_advice, name, lambda *_, word=word: word)
         assert list(strength_advice.flanks(drive)) == told

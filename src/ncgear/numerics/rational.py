@@ -65,6 +65,17 @@ class RationalSpline:
         """The same curve from its end to its start."""
         return RationalSpline(self.degree, -self.knots[::-1], self.points[::-1], self.weights[::-1])
 
+    def chords(self, per_span: int) -> Array:
+        """Ends of chords along the curve, ``per_span`` for each span, shape (n, 2); of a chain of chords these."""
+        if self.degree == 1:
+            return self.points
+        spans, weights = np.unique(self.knots[self.degree : len(self.points) + 1]), self.weights[:, None]
+        count = len(spans) - 1
+        at = np.interp(np.linspace(0.0, count, count * per_span + 1), np.arange(count + 1), spans)
+        weighted = BSpline(self.knots, np.hstack([self.points * weights, weights]), self.degree)(at)
+        found: Array = weighted[:, :2] / weighted[:, 2:]
+        return found
+
     def smooth_parts(self) -> list[Spans]:
         """The spans, cut at the knots at which the second derivative may jump."""
         weighted = np.column_stack([self.points * self.weights[:, None], self.weights])

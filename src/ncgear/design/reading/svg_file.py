@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from io import BytesIO
 from itertools import groupby, pairwise
-from math import ceil, comb, cos, pi, sin
+from math import ceil, cos, pi, sin
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
@@ -58,8 +58,8 @@ NO_CURVES = {
 SAME = 1e-6
 """Share of an element's size within which one of its curves begins where another ends."""
 
-PER_CURVE = 17
-"""Points of a curve that show whether a contour encloses another one."""
+PER_CURVE = 16
+"""Chords of a curve that show whether a contour encloses another one."""
 
 SMALLEST_SHARE = 0.01
 """Share of a picture's pixels; a smaller patch counts as dust beside the silhouette."""
@@ -177,7 +177,7 @@ def _without_holes(parts: list[dict[str, Any]]) -> tuple[list[dict[str, Any]], i
     starts = [i for i, line in enumerate(lines) if not i or np.max(np.abs(line[0] - lines[i - 1][-1])) > near]
     contours = list(pairwise([*starts, len(parts)]))
     closed = all(np.max(np.abs(lines[begin][0] - lines[end - 1][-1])) <= near for begin, end in contours)
-    if len(contours) < len(("outer", "inner")) or not closed:
+    if len(contours) == 1 or not closed:
         return parts, 0
     areas = [Polygon(np.concatenate(lines[begin:end])) for begin, end in contours]
     outer = int(np.argmax([one.area for one in areas]))
@@ -188,15 +188,13 @@ def _without_holes(parts: list[dict[str, Any]]) -> tuple[list[dict[str, Any]], i
 
 
 def _along(part: dict[str, Any]) -> Array:
-    """Points along a part, shape (n, 2): corners of lines, and PER_CURVE points of a curve."""
+    """Points along a part, shape (n, 2): corners of lines, and the ends of PER_CURVE chords of a curve."""
     points = np.column_stack([part["x"], part["y"]])
     if part["degree"] == 1:
         return points
-    share, degree = np.linspace(0.0, 1.0, PER_CURVE), len(points) - 1
-    basis = np.array([comb(degree, k) * share**k * (1.0 - share) ** (degree - k) for k in range(degree + 1)])
-    weighted = basis * np.array(part["weights"])[:, None]
-    found: Array = weighted.T @ points / weighted.sum(axis=0)[:, None]
-    return found
+    from ncgear.numerics.rational import RationalSpline
+
+    return RationalSpline(part["degree"], np.array(part["knots"]), points, np.array(part["weights"])).chords(PER_CURVE)
 
 
 def _curves(segments: Iterable[PathSegment]) -> Iterator[tuple[Array, list[float] | None]]:

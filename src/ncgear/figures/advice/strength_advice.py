@@ -50,7 +50,7 @@ def strength(drive: Drive) -> Advice | NotJudged | None:
     if not isinstance(rating, Rating):
         return _roughly(drive, beside_refusal(drive, rating))
     if rating.holds:
-        why = unfollowed_knocks(rating) or _thin_body(drive)
+        why = unfollowed_motion(rating) or _thin_body(drive)
         return NotJudged(why) if why else None
     weak = [one for one in rating.weakest if not one.holds]
     first = worst(weak)
@@ -75,7 +75,7 @@ def strength(drive: Drive) -> Advice | NotJudged | None:
     )
 
 
-def unfollowed_knocks(rating: Rating) -> str:
+def unfollowed_motion(rating: Rating) -> str:
     """Why teeth of a machine with masses may bear more than is known; empty where they do not, or that is known."""
     loading = rating.loading
     if loading.borne is not None and loading.borne.slow_swings:
@@ -257,7 +257,7 @@ def flanks(drive: Drive) -> Iterator[Advice | NotJudged]:
         yield _wear(found.wear, drive)
     if found.film is not None and found.film.regime is Regime.BOUNDARY:
         yield _boundary(found.film, found)
-    if why := unfollowed_knocks(rating):
+    if why := unfollowed_motion(rating):
         yield NotJudged(why)
 
 

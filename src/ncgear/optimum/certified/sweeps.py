@@ -22,6 +22,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import cos, inf, pi, sin
+from typing import NamedTuple
 
 import numpy as np
 
@@ -103,6 +104,18 @@ def known_functions(task: Task, asked: Demands, cells: int) -> LinkageValues:
     return LinkageValues(
         ends, *(np.broadcast_to(np.asarray(one, dtype=float), places.size).reshape(-1, 3) for one in columns)
     )
+
+
+class _Limit(NamedTuple):
+    """A limit to one side, ``sign`` 1 upwards or -1 downwards; the rest is a row of ``LimitRows`` before the sign."""
+
+    sign: int
+    flank: bool
+    power: bool
+    level: Array
+    tilt: Array
+    wheel: Array
+    felt: Array
 
 
 class Sweeps:
@@ -203,26 +216,26 @@ class Sweeps:
         felt = np.stack([known.static, 2.0 * half * known.by_q, half * known.by_rate])
         pushed = np.stack([np.zeros(known.first.shape), known.second, np.where(still, 0.0, known.first) / 2.0])
         wheel, count = 1e-3 * half * limits.flywheel_kg_mm2, limits.count
-        nothing = np.zeros((2, count))
-        found: list[tuple[int, bool, bool, Array, Array, Array, Array]] = []
+        nothing, found = np.zeros((2, count)), list[_Limit]()
         if asked.acceleration_mm_s2 < inf:
             peak = np.full(count, (1.0 + ROUNDING) * asked.acceleration_mm_s2 / (2.0 * half))
-            found += [(sign, False, False, peak, nothing[0], nothing, pushed) for sign in (1, -1)]
+            found += [_Limit(sign, False, False, peak, nothing[0], nothing, pushed) for sign in (1, -1)]
         for sign, power_w in ((1, limits.power_w), (-1, np.full(count, asked.braking_w))):
             if np.isfinite(power_w).any():
-                found.append((sign, False, True, 1000.0 * power_w / self.task.speed_rad_s, nothing[0], wheel, felt))
+                level = 1000.0 * power_w / self.task.speed_rad_s
+                found.append(_Limit(sign, False, True, level, nothing[0], wheel, felt))
         if np.isfinite(limits.flank_load_n_mm).all():
             for sign, angle in zip((1, -1), self.angles, strict=True):
                 across, along = limits.flank_load_n_mm * cos(angle), sign * limits.flank_load_n_mm * sin(angle) / 2.0
-                found.append((sign, True, False, across, along, wheel, felt))
+                found.append(_Limit(sign, True, False, across, along, wheel, felt))
         rows = len(found)
         own = LimitRows(
-            np.array([one[1] for one in found]).reshape(rows, 1),
-            np.array([one[2] for one in found]).reshape(rows, 1),
-            np.array([one[3] for one in found]).reshape(rows, count),
-            np.array([one[4] for one in found]).reshape(rows, count),
-            np.array([one[0] * one[5][:: one[0]] for one in found]).reshape(rows, 2, count).swapaxes(0, 1),
-            np.array([one[0] * one[6] for one in found]).reshape(rows, *felt.shape).swapaxes(0, 1),
+            np.array([one.flank for one in found]).reshape(rows, 1),
+            np.array([one.power for one in found]).reshape(rows, 1),
+            np.array([one.level for one in found]).reshape(rows, count),
+            np.array([one.tilt for one in found]).reshape(rows, count),
+            np.array([one.sign * one.wheel[:: one.sign] for one in found]).reshape(rows, 2, count).swapaxes(0, 1),
+            np.array([one.sign * one.felt for one in found]).reshape(rows, *felt.shape).swapaxes(0, 1),
         )
         return Barriers(own, self.asked.steepness, self.step, (self._floor, self._cap))
 

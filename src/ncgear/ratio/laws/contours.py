@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from math import hypot, pi
 
 import numpy as np
-from scipy.interpolate import BSpline
 
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
@@ -114,9 +113,9 @@ def _without_doubled(curves: Sequence[RationalSpline], near_mm: float) -> tuple[
     """The curves without those that run along others, the shorter ones first, and the length of these in mm."""
     import shapely
 
-    if len(curves) < len(("one", "other")):
+    if len(curves) <= 1:
         return list(curves), 0.0
-    lines = np.array([shapely.LineString(_chords(curve, FINE // len(curves) + FEWEST)) for curve in curves])
+    lines = np.array([shapely.LineString(curve.chords(FINE // len(curves) + FEWEST)) for curve in curves])
     lengths, tree = shapely.length(lines), shapely.STRtree(lines)
     middles = shapely.line_interpolate_point(lines, 0.5, normalized=True)
     part, other = tree.query(middles, predicate="dwithin", distance=near_mm)
@@ -129,17 +128,6 @@ def _without_doubled(curves: Sequence[RationalSpline], near_mm: float) -> tuple[
         corners = shapely.points(shapely.get_coordinates(lines[number]))
         kept[number] = not all(np.all(shapely.dwithin(others, places, near_mm)) for places in (even, corners))
     return [curve for curve, stays in zip(curves, kept, strict=True) if stays], float(np.sum(lengths[~kept]))
-
-
-def _chords(curve: RationalSpline, per_span: int) -> Array:
-    """Ends of chords along a curve, shape (n, 2); of a chain of chords these."""
-    if curve.degree == 1:
-        return curve.points
-    spans, weights = np.unique(curve.knots[curve.degree : len(curve.points) + 1]), curve.weights[:, None]
-    at = np.interp(np.linspace(0.0, len(spans) - 1.0, (len(spans) - 1) * per_span + 1), np.arange(len(spans)), spans)
-    weighted = BSpline(curve.knots, np.hstack([curve.points * weights, weights]), curve.degree)(at)
-    found: Array = weighted[:, :2] / weighted[:, 2:]
-    return found
 
 
 def _gap(one: Array, other: Array) -> float:
