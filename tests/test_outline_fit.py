@@ -19,9 +19,10 @@ from commands import Run
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.outline.conditions import CurveLimits, conditions
-from ncgear.optimum.outline.nearest import deviation
+from ncgear.optimum.outline.nearest import deviation, nearest_curve
 from ncgear.optimum.outline.outline import axes_to_try, outline_of
 from ncgear.optimum.outline.phases import best_phases
+from ncgear.optimum.outline.programme import OutlineAim
 from ncgear.optimum.outline.rolled import MatePlace, Rolled, SplineBasis, closing_distance_mm, rays
 from ncgear.project.drive import Drive
 from ncgear.project.outline_fit import OutlineFit
@@ -268,6 +269,18 @@ def test_an_inlet_is_lost_and_told() -> None:
     found = ncgear.fit(HOOK, teeth=72, gears={"drives": "both_ways"})
     assert found.deviation.greatest_mm > 5.0
     assert judged(found, HOOK) < 8.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [3, 5])
+def test_of_axes_that_follow_a_noisy_ellipse_equally_the_gentle_curve_is_taken(seed: int) -> None:
+    noise = np.random.default_rng(seed).normal(0.0, 0.04, (100, 2))
+    outline = outline_of(ellipse(34.0, 27.0)[::4] + noise, "outline")
+    found = nearest_curve(outline, 24, CurveLimits(), OutlineAim())
+    radius, slope, _ = found.radius
+    # About its centre, an ellipse runs at most asin((34^2 - 27^2) / (34^2 + 27^2)) = 13 degrees from circles.
+    assert np.max(np.abs(np.arctan(slope / radius))) < np.radians(20.0)
+    assert deviation(outline, found).root_mean_square_mm < 0.05
 
 
 @pytest.mark.slow

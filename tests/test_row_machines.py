@@ -246,13 +246,25 @@ def test_faults_of_a_chain_have_their_places(tmp_path: Path, old: str, new: str,
     assert f"chain.yaml:{line}:" in str(wrong.value)
 
 
-def test_refusals_of_a_chain_name_the_keys_of_its_file() -> None:
+@pytest.mark.parametrize(
+    ("key", "name", "line"),
+    [
+        ("gears.idlers", "train.lobes", 6),
+        ("gears.teeth", "train.gears.teeth", 11),
+        ("name", "name", 2),
+        # Keys that the file may have and does not give, and keys that it cannot have.
+        ("output.chord_tolerance_mm", "train.gears.chord_tolerance_mm", 10),
+        ("strength.application_factor", "train.strength.application_factor", 4),
+        ("gears.least_contact_ratio", "train.gears", 10),
+        ("simulation.friction", "train", 4),
+    ],
+)
+def test_refusals_of_a_chain_name_the_keys_of_its_file(key: str, name: str, line: int) -> None:
     loaded = load(DESIGNS / "idler-chain.yaml")
-    for key, name in (("gears.idlers", "train.lobes"), ("gears.teeth", "train.gears.teeth"), ("name", "name")):
-        with pytest.raises(WrongInput) as wrong, located(loaded.source):
-            raise WrongInput("refused", key=key)
-        assert wrong.value.key == name
-        assert f"idler-chain.yaml:{ {'name': 2, 'train.lobes': 6}.get(name, 11) }:" in str(wrong.value)
+    with pytest.raises(WrongInput) as wrong, located(loaded.source):
+        raise WrongInput("refused", key=key)
+    assert wrong.value.key == name
+    assert f"idler-chain.yaml:{line}:" in str(wrong.value)
 
 
 @pytest.mark.parametrize(

@@ -114,7 +114,7 @@ def build(
 
         # The report of an earlier design would lie beside gears that it does not show.
         report = report or holds_as_written(folder, REPORT_FILE)
-        with naming_what_helps(drive), steps_shown(step_count(drive, report=report)) as on_step:
+        with naming_what_helps(loaded, drive), steps_shown(step_count(drive, report=report)) as on_step:
             built = build_files(drive, folder, on_step, kinds, loaded if report else None, drawer)
         design = made.kept_in(folder)
         # Both runs wrote the manifest.
@@ -153,7 +153,7 @@ def report(
         drive = Drive(loaded.design)
         has_gears = loaded.design.gears is not None
         steps = 1 + has_gears * drive.design.stages * len(WRITTEN_STEPS)
-        with naming_what_helps(drive, BUILD), steps_shown(steps) as on_step:
+        with naming_what_helps(loaded, drive, BUILD), steps_shown(steps) as on_step:
             contacts = contacts_as_written(drive, on_step) if has_gears else []
             on_step("report")
             verdicts = verdicts_of(drive)
@@ -219,7 +219,7 @@ def _animated_machine(
         from ncgear.project.drive import Drive
 
         drive = Drive(loaded.design)
-        with naming_what_helps(drive, BUILD):
+        with naming_what_helps(loaded, drive, BUILD):
             drive.require_sound_pairs()
             scene = scene_of(drive)
         with counted("frames") as on_frame:
@@ -248,7 +248,7 @@ def simulate(
         from ncgear.project.drive import Drive
 
         drive = Drive(loaded.design)
-        with naming_what_helps(drive, BUILD), steps_shown(1) as on_step:
+        with naming_what_helps(loaded, drive, BUILD), steps_shown(1) as on_step:
             on_step(f"simulation, level {level}")
             drive.stopwatch.within = on_step.within
             found = simulate_drive(drive, level)
@@ -296,7 +296,7 @@ def strength(
 
         drive = Drive(loaded.design)
         told, figures, files, verdicts = [], [], {}, []
-        with naming_what_helps(drive, BUILD), steps_shown(3 * drive.design.stages) as on_step:
+        with naming_what_helps(loaded, drive, BUILD), steps_shown(3 * drive.design.stages) as on_step:
             for pair in drive.by_stage:
                 on_pair_step = naming_stage(pair, on_step)
                 on_pair_step("strength")

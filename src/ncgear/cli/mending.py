@@ -102,8 +102,8 @@ def mended(loaded: LoadedDesign) -> Mended:
 
 
 @contextmanager
-def naming_what_helps(drive: Drive, option: str = OPTION) -> Iterator[None]:
-    """A context that adds a remedy to an error about teeth; ``option`` is the option that applies it, if any."""
+def naming_what_helps(loaded: LoadedDesign, drive: Drive, option: str = OPTION) -> Iterator[None]:
+    """A context that adds a remedy to an error about teeth; ``option`` is the option that applies it, for machines."""
     try:
         yield
     except DesignError as error:
@@ -112,7 +112,7 @@ def naming_what_helps(drive: Drive, option: str = OPTION) -> Iterator[None]:
         search = None if drive.design.gears is None else _search(drive, error)
         if search is None:
             raise
-        raise refusal_with_help(search, option) from error
+        raise refusal_with_help(search, "" if loaded.is_train else option) from error
 
 
 def _search(drive: Drive, error: DesignError) -> Mending | None:

@@ -237,7 +237,7 @@ def size(
         }
         asked = {key: value for key, value in options.items() if value is not None}
         drive = Drive(asked_design(loaded.design, asked))
-        with naming_what_helps(drive, BUILD), counted("gears computed") as on_trial:
+        with naming_what_helps(loaded, drive, BUILD), counted("gears computed") as on_trial:
             found = smallest_gears(drive, GearRoom(space or inf, diameter or inf, width), on_trial)
             also = in_herringbone(found[0]) if herringbone else None
         option, what = ("--herringbone ", "herringbone teeth") if also else ("", "the first")

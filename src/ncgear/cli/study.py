@@ -44,7 +44,7 @@ def bench(
         from ncgear.project.drive import Drive
 
         drive = Drive(loaded.design)
-        with naming_what_helps(drive, BUILD), steps_shown(step_count(drive) + 1) as on_step:
+        with naming_what_helps(loaded, drive, BUILD), steps_shown(step_count(drive) + 1) as on_step:
             stages = benched(drive, on_step)
             on_step("pictures")
             written = bench_files(stages, name)
@@ -161,7 +161,7 @@ def measured(
         drive, how = Drive(loaded.design).of_stage(stage), FittedQuantities(fit.value)
         name = drive.stem
         folder = prepared(out, f"{name}-measured")
-        with naming_what_helps(drive, BUILD), steps_shown(2) as on_step:
+        with naming_what_helps(loaded, drive, BUILD), steps_shown(2) as on_step:
             on_step("best fit and contact")
             pair = compared_pair(drive, files, how, probe_radius)
             on_step("pictures")
@@ -205,7 +205,7 @@ def tolerance(
         from ncgear.tolerances.study import Workers
 
         drive = Drive(loaded.design)
-        with naming_what_helps(drive, BUILD), counted("assemblies") as on_done:
+        with naming_what_helps(loaded, drive, BUILD), counted("assemblies") as on_done:
             found = tolerated(drive, samples, seed, Workers(scheduler, processes), on_done)
             run = publish_run(folder, tolerance_files(found), "tolerance")
         answer, figures = tolerance_answer(found), tolerance_json(found)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from difflib import get_close_matches
 from typing import Any, NamedTuple, TypeVar, get_args
 
@@ -39,6 +39,14 @@ def models_in(annotation: Any) -> list[type[BaseModel]]:
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return [annotation]
     return [model for part in get_args(annotation) for model in models_in(part)]
+
+
+def keys_of(model: type[BaseModel]) -> Iterator[str]:
+    """The dotted keys that a file may have below a model."""
+    for key, field in fields_of(model).items():
+        yield key
+        for below in models_in(field.annotation):
+            yield from (f"{key}.{name}" for name in keys_of(below))
 
 
 class Problem(NamedTuple):

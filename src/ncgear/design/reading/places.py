@@ -29,7 +29,7 @@ class FilePlace:
 class Document:
     """Plain values of a YAML file, with the place of every key and list item by its dotted path.
 
-    ``written_as`` has the keys that the file itself names otherwise, as that of a train read as a machine.
+    ``written_as`` has the keys of a machine by those that the file has for them, where a train is read as a machine.
     """
 
     data: Any
@@ -41,6 +41,14 @@ class Document:
         while key and key not in self.places:
             key = key.rpartition(".")[0]
         return self.places[key]
+
+    def as_written(self, key: str) -> str:
+        """The key that the file may have for ``key``, or else for its nearest parent; ``train`` where it has none."""
+        if not self.written_as or key in ("", "name", "description") or key.partition(".")[0] == "train":
+            return key
+        while key and key not in self.written_as:
+            key = key.rpartition(".")[0]
+        return self.written_as[key] if key else "train"
 
     def at(self, key: str) -> Any:
         """The value at a dotted key; None if there is none."""
@@ -88,7 +96,7 @@ class Source:
         """``key`` in the spelling of the file: the key of an angle ends in the unit in which it was given."""
         if key not in self.document.places:
             key = next((name for name in spellings(quantity(key)) if name in self.document.places), key)
-        return self.document.written_as.get(key, key)
+        return self.document.as_written(key)
 
 
 def with_value(data: Any, key: str, value: Any) -> Any:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import sqrt, tau
+from math import pi, sqrt, tau
 
 import numpy as np
 
@@ -48,6 +48,10 @@ MISSED = 4.0
 KEPT, LOOSE = 2e-3, 1e-2
 """Largest final violation of a condition, far below the accuracy of the limits, and that of a curve that counts at all.
 """
+
+GENTLE = 1e-4
+"""Deviation, as a share of the outline's size, for which a curve may be steeper by a right angle: curves about several
+axes often follow an outline equally well, and the noise of its points must not choose a steep curve among them."""
 
 MEASURED, ROUGHLY = 6000, 1000
 """Points of outline and curve, even by arc length, for distances of the final and of intermediate curves."""
@@ -145,7 +149,10 @@ def nearest_curve(
     if not curves:
         raise NoSuchMechanism("no axis inside the outline is met by every ray; give one in motion", key="motion")
     for count, rounds in HEATS_OF_TWO if wanted.mate else HEATS:
-        curves = sorted(curves, key=lambda one: _cost(outline, one, limits, wanted)[0])[:count]
+        curves = sorted(
+            curves,
+            key=lambda one: _cost(outline, one, limits, wanted)[0] + GENTLE * outline.size_mm * _steepness(one),
+        )[:count]
         curves = [_better(outline, one, limits, wanted, rounds, FIRST_STEP) for one in curves]
     found = curves[0]
     off = missed(found, limits, wanted)
@@ -157,6 +164,12 @@ def nearest_curve(
             key="gears.teeth",
         )
     return found
+
+
+def _steepness(curve: Rolled) -> float:
+    """The greatest angle between the curve and a circle about its axis, as a share of a right angle."""
+    radius, slope, _ = curve.radius
+    return float(np.arctan(np.max(np.abs(slope / radius)))) / (pi / 2.0)
 
 
 TOO_MUCH = {
