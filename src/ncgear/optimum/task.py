@@ -277,13 +277,14 @@ class Prices:
 def figures(task: Task, train: PairsInSeries, as_large_as: PairsInSeries | None = None) -> Figures:
     """The figures of a law on a machine; raises NoSuchMechanism for curves too sharp to be computed.
 
-    Power counts the masses. The force between the teeth is for gears at their own centre distance, or at that of
-    another law's gears (``as_large_as``).
+    Power counts the masses. The centre distance and the force between the teeth are those of the law's own gears, or
+    of another law's gears (``as_large_as``).
     """
     machine, above = Machine(train.whole, task.linkage, task.load, task.speed_rad_s), task.harmonics_above
     check, jerk = kinematic_check(machine), peak_jerk(machine)
     pairs = [_pair(task, one) for one in train.pairs]
-    place = None if task.gears is None or len(pairs) > 1 else _place_of(task, task.gears, pairs[0])
+    sized = pairs[0] if as_large_as is None else _pair(task, as_large_as.pairs[0])
+    place = None if task.gears is None or len(pairs) > 1 else _place_of(task, task.gears, sized)
     lowest, highest = train.whole.ratio_range
     of_motion = Figures(
         peak_power_w=check.peak_power_w.value,
@@ -308,10 +309,9 @@ def figures(task: Task, train: PairsInSeries, as_large_as: PairsInSeries | None 
     loads = felt(rigid, task.speed_fluctuation)
     if above is not None:
         loads["torque_harmonics_n_m"] = N_M_PER_N_MM * DrivingShaft(rigid).fluctuation.rms_above_n_mm(above)
-    if place is None or task.gears is None:
+    if place is None:
         return replace(of_motion, **loads)
-    sized = place if as_large_as is None else _place_of(task, task.gears, _pair(task, as_large_as.pairs[0]))
-    in_mesh = replace(rigid, place=sized)
+    in_mesh = replace(rigid, place=place)
     force, flanks = tooth_force_n(in_mesh), flank_load_n_mm(in_mesh)
     return replace(of_motion, **loads, tooth_force_n=force, flank_load_n_mm=flanks)
 
