@@ -8,7 +8,8 @@ from itertools import groupby
 from ncgear.design.keys.balance import Balance
 from ncgear.design.keys.design import Design
 from ncgear.design.reference import Key, allowed, default_words, keys_of, unit_of
-from ncgear.design.trains.registry import TrainFile
+from ncgear.design.trains.registry import TrainFile, train_models
+from ncgear.design.words import listed
 from ncgear.figures.tables import markdown
 from ncgear.mechanisms.resistance import MOST_TURNS
 from ncgear.numerics.formula import DEEPEST, FUNCTIONS, LARGEST_POWER, LONGEST
@@ -132,8 +133,26 @@ def key_pages() -> dict[str, str]:
         pages[place] = [f"# {title}", "", MADE, "", about, "", *_section(keys, group.path, law, title, 1)]
     balance = keys_of(Balance)
     pages["balance-file.md"] = [BALANCE_INTRODUCTION, *_section(balance, "", "", "Top of the file", 2)]
-    pages["train-file.md"] = [TRAIN_INTRODUCTION, *_section(keys_of(TrainFile), "", "", "Top of the file", 2)]
+    pages["train-file.md"] = [
+        TRAIN_INTRODUCTION,
+        *_own(keys_of(TrainFile), "", "", "Top of the file", 2),
+        *_of_trains(),
+    ]
     return {place: "\n".join(lines).rstrip() + "\n" for place, lines in pages.items()}
+
+
+def _of_trains() -> Iterator[str]:
+    """The tables below ``train``, each once with the kinds of trains that have just this table."""
+    tables: dict[tuple[str, tuple[tuple[str, ...], ...]], list[str]] = {}
+    models = train_models()
+    for kind, model in models.items():
+        keys = keys_of(model)
+        for path in ["train", *(key.path for key in keys if key.group and key.path.startswith("train."))]:
+            rows = tuple(tuple(_row(key)) for key in _inside(keys, path))
+            tables.setdefault((path, rows), []).append(kind)
+    for (path, rows), kinds in tables.items():
+        of_kinds = "" if len(kinds) == len(models) else f" of kind {listed([f'`{kind}`' for kind in kinds], 'and')}"
+        yield from (f"{'#' * min(path.count('.') + 2, 4)} `{path}`{of_kinds}", "", *markdown(HEADS, rows), "")
 
 
 def _section(keys: Sequence[Key], above: str, law: str, title: str, level: int) -> Iterator[str]:

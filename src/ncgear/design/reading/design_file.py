@@ -17,7 +17,7 @@ from ncgear.design.keys.pitch_shapes import ANGLE_OR_X, RADIUS_OR_Y
 from ncgear.design.keys.pitch_shapes import MOST_POINTS as CURVE_POINTS
 from ncgear.design.laws.table import ANGLE_COLUMNS, MOST_POINTS, VALUE_COLUMNS
 from ncgear.design.reading.contour_file import contour_of
-from ncgear.design.reading.messages import checked, keys_of
+from ncgear.design.reading.messages import checked, dotted_keys
 from ncgear.design.reading.places import Document, FilePlace, Source
 from ncgear.design.reading.points import FileColumns, PointsKind, columns_kind, values_from_files
 from ncgear.design.reading.svg_file import picture_contour_of, svg_contour_of
@@ -96,7 +96,7 @@ def _as_machine(document: Document, text: str, *, for_loads: bool) -> tuple[Docu
         return document, text
     data = {"name": file.name, "description": file.description, **keys}
     given = {key.removeprefix("train."): key for key in document.places if key.startswith("train.")}
-    names = {**{key: key for key in keys_of(type(file.train))}, **file.train.WRITTEN_AS}
+    names = {**{key: key for key in dotted_keys(type(file.train))}, **file.train.WRITTEN_AS}
     written_as = given | {key: f"train.{name}" for key, name in names.items()}
     places = {**document.places, **{key: document.place(name) for key, name in written_as.items()}}
     text = "".join(f"{key}: {json.dumps(value)}\n" for key, value in data.items())

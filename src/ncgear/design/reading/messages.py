@@ -41,12 +41,12 @@ def models_in(annotation: Any) -> list[type[BaseModel]]:
     return [model for part in get_args(annotation) for model in models_in(part)]
 
 
-def keys_of(model: type[BaseModel]) -> Iterator[str]:
+def dotted_keys(model: type[BaseModel]) -> Iterator[str]:
     """The dotted keys that a file may have below a model."""
     for key, field in fields_of(model).items():
         yield key
         for below in models_in(field.annotation):
-            yield from (f"{key}.{name}" for name in keys_of(below))
+            yield from (f"{key}.{name}" for name in dotted_keys(below))
 
 
 class Problem(NamedTuple):
