@@ -24,7 +24,6 @@ from ncgear.figures.advice.law_advice import stretches_in_words
 from ncgear.files import measured
 from ncgear.files.read_back import flattened
 from ncgear.files.workshop.gear_drawing import bore_shape
-from ncgear.kinematics.motion import WIDENING, _about
 from ncgear.metrology.round_tool import _Outline
 from ncgear.numerics.sampled import HIGHER, Functions
 from ncgear.pitch.pair import sized_pair
@@ -40,13 +39,6 @@ from ncgear.teeth.gear import toothed_pair
 from pairs import rack
 
 Made: Any = SimpleNamespace
-
-
-@pytest.mark.judges("kinematics")
-def test_cuts_close_in_on_a_corner_from_both_sides() -> None:
-    """0.1 wide at 2: cuts 0.1, 0.4 and 1.6 before and after it; the next ones would be over half a turn away."""
-    assert sorted(_about(2.0, 0.1) - 2.0) == pytest.approx([-1.6, -0.4, -0.1, 0.0, 0.1, 0.4, 1.6])
-    assert pi < WIDENING * 1.6
 
 
 @pytest.mark.judges("numerics")

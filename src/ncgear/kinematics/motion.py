@@ -143,30 +143,6 @@ def sample_angles(transmission: Transmission) -> Array:
     return np.linspace(0.0, end, int(np.ceil(2000 * end / (2.0 * pi))) + 1)
 
 
-SHARP_RAD = 0.5
-"""Corners narrower than this, in crank angle, get cuts of their own.  It is a tenth of a stroke, which is sampled at
-129 points, so wider corners have over ten points; rod/crank = 1.13 has this width (tests/test_kinematics.py)."""
-
-WIDENING = 4.0
-"""Factor between the distances of neighbouring cuts from a corner.  The acceleration falls with the cube of the
-distance; between two such cuts it is smooth."""
-
-
-def _corner_cuts_rad(machine: Machine) -> Array:
-    """Driving angles in rad of one cycle that close in on each sharp corner; shape (0,) for ordinary mechanisms."""
-    corners = [_about(angle, width) for angle, width in machine.linkage.corners if width < SHARP_RAD]
-    if not corners:
-        return np.empty(0)
-    crank = distinct(np.mod(np.concatenate(corners), 2.0 * pi))
-    return machine.driving_angles(crank[crank > 0.0])
-
-
-def _about(angle: float, width: float) -> Array:
-    """Crank angles at a corner and at growing distances to both sides."""
-    distances = width * WIDENING ** np.arange(np.ceil(np.log(pi / width) / np.log(WIDENING)))
-    return angle + np.concatenate([-distances, [0.0], distances])
-
-
 LEAST = 1e-9
 """Share of the law's period below which a stretch counts as the rounding error of its ends."""
 
@@ -216,22 +192,20 @@ class Stretch:
 
 def stretches(machine: Machine) -> list[Stretch]:
     """The stretches of one cycle, in the order of the driving angle."""
-    lobes, cuts = machine.transmission.lobes, _corner_cuts_rad(machine)
+    lobes = machine.transmission.lobes
     return [
         stretch
         for period in range(lobes.driven)
         for piece in machine.transmission.pieces
-        for stretch in _of_piece(
-            machine, piece, (period * lobes.driving_period_rad, period * lobes.driven_period_rad), cuts
-        )
+        for stretch in _of_piece(machine, piece, (period * lobes.driving_period_rad, period * lobes.driven_period_rad))
     ]
 
 
-def _of_piece(machine: Machine, piece: Piece, turned: tuple[float, float], cuts: Array) -> Iterator[Stretch]:
-    """The stretches of one piece: cuts and the extended dead centre divide it."""
+def _of_piece(machine: Machine, piece: Piece, turned: tuple[float, float]) -> Iterator[Stretch]:
+    """The stretches of one piece, which the extended dead centre divides."""
     start, end, extended = piece.start_rad + turned[0], piece.end_rad + turned[0], machine.extended_rad
-    inner = [float(cut) for cut in (*cuts, extended) if start < cut < end]
-    for low, high in pairwise([start, *sorted(inner), end]):
+    inner = [extended] if start < extended < end else []
+    for low, high in pairwise([start, *inner, end]):
         if high - low > LEAST * machine.transmission.lobes.driving_period_rad:
             yield Stretch(low, high, (low + high) / 2.0 < extended, machine.linkage, piece, turned)
 
