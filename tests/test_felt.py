@@ -15,6 +15,7 @@ from drives import drive, drive_of_text, loaded
 from ncgear.dynamics.loaded_machine import RigidMachine
 from ncgear.dynamics.mesh_force import MeshPlace
 from ncgear.dynamics.rigid import load_peaks
+from ncgear.errors import Unanswered
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.forces import RodMasses
@@ -154,6 +155,19 @@ def test_the_bearings_feel_the_columns_of_the_loads() -> None:
     force = np.linalg.norm(loads.bearing_n.at(q, rate, machine.speed_rad_s), axis=1)
     assert found().bearing_force_n == pytest.approx(force.max(), rel=1e-6)
     assert found().bearing_force_n > found().shaking_force_n
+
+
+def test_a_torque_that_cannot_be_followed_is_refused_with_its_place() -> None:
+    """A lever whose block comes within a ten-thousandth of a millimetre of its axis turns there in no time."""
+    lever = "{mass_kg: 7, center_mm: 110, inertia_kg_mm2: 1.2e5}"
+    masses = f"{{slider_kg: 25, lever: {lever}, crank: {{mass_kg: 6, center_mm: 15, inertia_kg_mm2: 3e4}}}}"
+    made = drive_of_text(
+        "name: lever\nlinkage: {kind: slotted_lever, crank_mm: 100, pivot_mm: 100.0001, lever_mm: 300}\n"
+        f"operation: {{speed_rpm: 60}}\nmotion: {{law: uniform_crank}}\nmasses: {masses}\n"
+    )
+    with pytest.raises(Unanswered, match=r"near phi1 = 6\.28.* rad \(359\.9 deg\) faster than") as refused:
+        _ = made.check
+    assert refused.value.key == "linkage"
 
 
 def test_nothing_moves_and_nothing_resists() -> None:

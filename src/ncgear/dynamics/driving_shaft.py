@@ -16,15 +16,16 @@ from math import sqrt
 import numpy as np
 
 from ncgear.dynamics.loaded_machine import IDLE, RigidMachine, broken_cycle, range_over
+from ncgear.errors import Unanswered
 from ncgear.frozen import dataclass
 from ncgear.kinematics.check import KinematicCheck, WithMasses
 from ncgear.kinematics.motion import stretches
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.chebyshev import PiecewiseChebyshev, fitted
+from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev, fitted
 from ncgear.numerics.extrema import Extremum, extremes
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.quadrature import gauss_points, rms_above
-from ncgear.numerics.units import N_M_PER_N_MM
+from ncgear.numerics.units import N_M_PER_N_MM, in_words
 from ncgear.numerics.zeros import all_zeros
 
 NODES = 25
@@ -99,10 +100,17 @@ class Fluctuation:
 
 
 def fluctuation(rigid: RigidMachine) -> Fluctuation:
-    """The driving torque of one cycle."""
+    """The driving torque of one cycle; raises Unanswered where it changes too fast for any series."""
     breaks = [rigid.breaks(stretch) for stretch in stretches(rigid.machine)]
     edges = np.concatenate([*(part[:-1] for part in breaks), breaks[-1][-1:]])
-    torque = fitted(lambda phi1: rigid.at(phi1).driving_torque.value, edges)
+    try:
+        torque = fitted(lambda phi1: rigid.at(phi1).driving_torque.value, edges)
+    except NotSmooth as fault:
+        raise Unanswered(
+            f"the torque on the driving shaft changes near phi1 = {in_words(fault.at)} faster than can be followed; "
+            "lengths further from those at which the mechanism locks, or a gentler law, are needed",
+            key="linkage",
+        ) from fault
     return Fluctuation(torque, rigid.machine.speed_rad_s)
 
 
