@@ -157,6 +157,7 @@ def test_the_bearings_feel_the_columns_of_the_loads() -> None:
     assert found().bearing_force_n > found().shaking_force_n
 
 
+@pytest.mark.slow
 def test_a_torque_that_cannot_be_followed_is_refused_with_its_place() -> None:
     """A lever whose block comes within a ten-thousandth of a millimetre of its axis turns there in no time."""
     lever = "{mass_kg: 7, center_mm: 110, inertia_kg_mm2: 1.2e5}"
