@@ -314,6 +314,26 @@ def test_teeth_too_weak_to_be_rated_begin_with_the_first_larger_module_that_can(
         sizing._begun(strong)
 
 
+def test_gears_without_room_for_a_hub_begin_with_more_teeth(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Hubs of 50 mm: 20 teeth of 2 mm have no room, 40 have; a larger module would need thicker walls."""
+
+    def rated(drive: Any, method: str) -> str:
+        if drive.pitch.size.module_mm * drive.pitch.size.driving_teeth < 60.0:
+            raise NoSuchMechanism("no room", key="gears.driven.hub.diameter_mm")
+        return "rated"
+
+    def changed(drive: Any, changes: Any) -> Any:
+        return Made(pitch=Made(size=Made(module_mm=changes["module"], driving_teeth=changes["teeth"])))
+
+    monkeypatch.setattr(sizing, "rating_of", rated)
+    monkeypatch.setattr(sizing, "changed_drive", changed)
+    monkeypatch.setattr(sizing, "sized", lambda drive, teeth, module: {"teeth": teeth, "module": module})
+    monkeypatch.setattr(sizing, "Sized", lambda changes, drive, rating: Made(changes=changes, drive=drive))
+    drive: Any = Made(pitch=Made(size=Made(module_mm=2.0, driving_teeth=20)), gears=Made(face_width_mm=10.0))
+    begun: Any = sizing._begun(drive, any_size=True)
+    assert (begun.changes["teeth"], begun.changes["module"]) == (40, 2.0)
+
+
 @pytest.mark.parametrize(("accepted", "found"), [(0, (20, 3.0)), (130.0, (20, 4.0)), (1e9, None)])
 def test_the_smallest_of_all_sizes_is_computed_and_accepted(accepted: float, found: tuple[int, float] | None) -> None:
     """Volumes z m^2, guessed a tenth too small; sizes below 150 are too weak where they are computed."""

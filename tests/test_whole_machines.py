@@ -30,7 +30,8 @@ from ncgear.project.drive import Drive
 from ncgear.project.law_task import inertia_as_given, task_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import single
-from ncgear.whole_machines.laws import law_design, law_wishes
+from ncgear.whole_machines.gears import GearJob, machine_of
+from ncgear.whole_machines.laws import LawJob, law_design, law_wishes, laws_of
 from ncgear.whole_machines.machine import Unfit, WholeMachine, judged_machine
 from ncgear.whole_machines.pareto import far_apart, recommended, undominated
 from ncgear.whole_machines.search import MachineSearch
@@ -200,6 +201,18 @@ def test_a_machine_that_breaks_a_condition_or_a_limit_is_unfit(values: dict[str,
     made = judged_machine(text, "hobbed", Choices())
     assert isinstance(made, Unfit)
     assert said in " ".join(made.why)
+
+
+@pytest.mark.slow
+@pytest.mark.long
+def test_gears_that_are_to_be_shaped_are_made_for_a_shaper() -> None:
+    """A hob's spaces are deeper than a shaper reaches, and on the profile A of ISO 53 a shaper's fillets meet tips."""
+    text = with_choices("{processes: [shaped]}")
+    law = laws_of(parsed(text, Path("wish.yaml")).design, LawJob(0.0, None))[0]
+    made = machine_of(text, GearJob(law, None, ("shaped",)))
+    assert isinstance(made, WholeMachine)
+    assert made.cut == "a shaper cuts it"
+    assert "profile: D" in made.text
 
 
 @pytest.mark.slow

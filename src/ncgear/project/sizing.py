@@ -317,20 +317,23 @@ def smallest_accepted(
 
 
 def _begun(drive: Drive, *, any_size: bool = False) -> Sized:
-    """The design as given or, if its teeth cannot be rated, the first of twice, four times ... the module that can.
+    """The design as given or, if its teeth cannot be rated, the first of twice, four times ... the size that can.
 
-    With ``any_size``, a larger module is tried after any error of the given size.  Raises as ``rating_of`` does for the
-    design as given.
+    The module grows, or the number of teeth where a body has no room: walls about bores are a module thick.  With
+    ``any_size``, larger sizes are tried after any error of the given size.  Raises as ``rating_of`` does for the design
+    as given.
     """
     try:
         return Sized({}, drive, rating_of(drive, "estimate"))
     except DesignError as error:
         if error.key != TOO_WEAK and not any_size:
             raise
+        given = drive.pitch.size
         for times in DOUBLED:
-            module = times * drive.pitch.size.module_mm
+            finer = times if error.key.startswith(BODIES) else 1.0
+            teeth, module = int(finer * given.driving_teeth), times / finer * given.module_mm
             width = max(drive.gears.face_width_mm, WIDEST_MODULES * module)
-            changes = {**sized(drive, drive.pitch.size.driving_teeth, module), "gears.face_width_mm": width}
+            changes = {**sized(drive, teeth, module), "gears.face_width_mm": width}
             try:
                 larger = changed_drive(drive, changes)
                 return Sized(changes, larger, rating_of(larger, "estimate"))

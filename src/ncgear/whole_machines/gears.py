@@ -20,7 +20,7 @@ from ncgear.design.reading.text import whole
 from ncgear.design.rewritten import design_copy
 from ncgear.errors import DesignError
 from ncgear.figures.advice.verdict import KnownParts, judged
-from ncgear.project.alternatives import Changes, changed_drive
+from ncgear.project.alternatives import Changes, changed_drive, is_given
 from ncgear.project.drive import Drive
 from ncgear.project.in_common import drive_like
 from ncgear.project.jamming import jamming_of
@@ -47,6 +47,10 @@ MENDED = 4
 
 ROUNDS = 4
 """Most pairs of law and face width that are tried until both agree."""
+
+SHAPED = {"gears.cutter.kind": "pinion", "gears.rack.profile": "D"}
+"""Keys of gears whose spaces a shaper cuts, as far as the file gives none.  Its fillets reach higher than those of a
+hob, and the deeper profile of ISO 53 leaves them room."""
 
 ROOM_OF_CAP = 1.002
 """Ratio by which the peak power may grow when the law is found with the gears' own inertia."""
@@ -143,14 +147,15 @@ class _Making:
         self.loaded, self.job, self.process = loaded, job, process
         self.choices = loaded.design.choices or Choices()
         self.mended: Changes = {}
-        self.kept: Changes = {}
+        shaped = SHAPED if process == "shaped" else {}
+        self.kept: Changes = {key: value for key, value in shaped.items() if not is_given(loaded.design, key)}
         self.coarse: list[Sized] = []
         self.why: tuple[str, ...] = ("no gears of these modules and face widths hold",)
 
     def made(self) -> WholeMachine | Unfit:
         """The machine, or why there is none."""
         try:
-            drive = started(self.loaded.design, self.job.law, self.job.material)
+            drive = changed_drive(started(self.loaded.design, self.job.law, self.job.material), self.kept)
             room = room_of(self.choices, fewest_teeth(drive))
             if (near := self.job.near) is not None:
                 grown = (self.job.law.flank_load_n_mm / near.flank_load_n_mm) ** (1.0 / 3.0)
@@ -166,7 +171,7 @@ class _Making:
                     self.why = made.why
                 except _Weakened as weakened:
                     # Teeth that the changes make thinner or lower have to be larger
-                    self.kept |= weakened.changes
+                    self.kept = {**self.kept, **weakened.changes}
                     drive = weakened.drive
         except (DesignError, ArithmeticError) as error:
             return Unfit((getattr(error, "problem", str(error)),))
