@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from math import degrees
 from typing import Any
 
@@ -63,13 +64,9 @@ def _shaft(found: ShaftResult) -> dict[str, Any]:
         told["largest_bending_moment_n_m"] = N_M_PER_N_MM * found.most_bent.moment_n_mm
         told["largest_bending_moment_along_shaft_mm"] = found.most_bent.at_mm
     if found.shaft is not None:
-        stresses = found.shaft.stresses
         told["estimate_of_shaft"] = {
             "diameter_mm": found.shaft.section.diameter_mm,
-            "bending_amplitude_mpa": stresses.bending_amplitude_mpa,
-            "bending_mean_mpa": stresses.bending_mean_mpa,
-            "torsion_amplitude_mpa": stresses.torsion_amplitude_mpa,
-            "torsion_mean_mpa": stresses.torsion_mean_mpa,
+            **asdict(found.shaft.stresses),
             "fatigue_safety": known(found.shaft.fatigue),
             "yield_safety": known(found.shaft.yielding),
         }

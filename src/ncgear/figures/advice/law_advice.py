@@ -222,7 +222,6 @@ def _in_slot(drive: Drive, pin_mm: float) -> Iterator[Advice]:
 
 NO_BORE = NotJudged("a gear has no bore_mm, and so no shaft of known size")
 
-
 NO_MEETING = (
     "let the driving shaft end below the crank, carry the crank on the other side of the gears, or take another centre "
     "distance"
@@ -232,10 +231,8 @@ NO_MEETING = (
 def _thinner(part: str, room_mm: float) -> Remedy:
     """What is round has to be as thin as its room, or where there is none, to stand elsewhere."""
     if room_mm <= 0.0:
-        words = f"no {part} is thin enough, but one {drawn(-room_mm, 'mm')} mm farther off or more"
-        return Remedy(words, short=words)
-    words = f"make the {part} no more than {shown_below(2.0 * room_mm, 3)} mm thick"
-    return Remedy(words, short=words)
+        return Remedy(f"no {part} is thin enough, but one {drawn(-room_mm, 'mm')} mm farther off or more")
+    return Remedy(f"make the {part} no more than {shown_below(2.0 * room_mm, 3)} mm thick")
 
 
 def _beside_own_shaft(drive: Drive, part: str, radius_mm: float, pin_mm: float) -> Remedy:
@@ -248,8 +245,7 @@ def _beside_own_shaft(drive: Drive, part: str, radius_mm: float, pin_mm: float) 
         return _thinner(part, crank_mm - pin_mm)
     if radius_mm < crank_mm:
         return _thinner("crank pin", crank_mm - radius_mm)
-    words = f"take a crank of {shown_above(radius_mm + pin_mm, 3)} mm or more, or thinner parts"
-    return Remedy(words, short=words)
+    return Remedy(f"take a crank of {shown_above(radius_mm + pin_mm, 3)} mm or more, or thinner parts")
 
 
 def _below(drive: Drive, words: str) -> Remedy:
@@ -381,8 +377,7 @@ def optimised(drive: Drive, **limits: float | bool) -> tuple[Remedy, ...]:
     """
     own = (drive.design.optimize or Optimize()).limits
     given = {key: getattr(own, key) for key in limits if is_given(drive.design, f"optimize.limits.{key}")}
-    wider = [key for key, value in given.items() if not _as_tight(key, value, limits[key])]
-    if wider or not drive.linkage.RETURNS:
+    if not all(_as_tight(key, value, limits[key]) for key, value in given.items()) or not drive.linkage.RETURNS:
         return ()
     changes = changed({f"optimize.limits.{key}": value for key, value in limits.items() if key not in given})
     words = "let the best law within this limit be found" if changes else "let the best law within its limits be found"
