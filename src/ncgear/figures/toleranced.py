@@ -14,7 +14,7 @@ from ncgear.figures.answers.answer import COLUMNS, Answer, Fault, Row
 from ncgear.figures.csv_text import csv_text
 from ncgear.figures.data_sheet.entries import assumed_words, limit_words
 from ncgear.figures.numbers import fixed, to_digits
-from ncgear.figures.quantities import figure, name_of
+from ncgear.figures.quantities import STATISTICS, figure, name_of
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.project.tolerance import Tolerated
@@ -185,14 +185,13 @@ def tolerance_json(tolerated: Tolerated) -> dict[str, Any]:
         "jam": vars(tolerated.jam),
         "knock": _knock(pair) if single else None if tolerated.knock is None else vars(tolerated.knock),
         "loads_known": tolerated.loaded,
-        "backlash_needed": None
-        if needed is None
-        else {
+        "backlash_needed": needed
+        and {
             "share": TURNING,
             "key": f"gears.{needed.key}",
             "value": needed.value,
             "given": needed.given,
-            "jam_with_it": None if needed.jammed is None else vars(needed.jammed),
+            "jam_with_it": needed.jammed and vars(needed.jammed),
             "refused": needed.refused,
         },
         "indices": {
@@ -324,7 +323,6 @@ def _power_of_two(count: int) -> int:
     return 1 << (count - 1).bit_length()
 
 
-HEADS = "as designed", "median", "99 % keep"
 SHOWN = "as_designed", "median", "of_99_percent"
 
 ASSUMED = "Assumed, as the file has no section tolerances: "
@@ -373,22 +371,19 @@ def tolerance_answer(tolerated: Tolerated) -> Answer:
         Row("between", (between,)),
     ]
     limits = f"{assumed_words(tolerated.process)}{', '.join(limit_words(tolerated.tolerances))}"
+    jamming = round(tolerated.jam.value * tolerated.assemblies.count)
+    turning = f"all but {jamming}" if jamming else "all"
     return Answer(
         f"{tolerated.drive.design.name}: {tolerated.assemblies.count} assemblies within their tolerances",
         (*columns, *rows),
         tuple(Fault(one.broken, one.cures) for one in judged_assemblies(tolerated) if one.broken),
         about=f"Tolerances: {limits}" if tolerated.process is None else "",
         notes=() if tolerated.process is None else (f"{ASSUMED}{limits}",),
-        heads=HEADS,
-        good=f"No warnings of what was judged: {_turning(tolerated)} of the assemblies turn, and none knocks.",
+        heads=tuple(STATISTICS[key] for key in SHOWN),
+        good=f"No warnings of what was judged: {turning} of the assemblies turn, and none knocks.",
         not_judged=NOT_JUDGED,
         then="tolerance.json has every figure, assemblies.csv every assembly",
     )
-
-
-def _turning(tolerated: Tolerated) -> str:
-    jamming = round(tolerated.jam.value * tolerated.assemblies.count)
-    return f"all but {jamming}" if jamming else "all"
 
 
 def _shown_row(of: str, key: str, values: Mapping[str, float]) -> Row:

@@ -80,7 +80,6 @@ def strength_answer(
 
 
 def _rows(of: str, rating: Rating, beside: Rating | None) -> list[Row]:
-    """The weakest tooth of each gear for each kind of damage."""
     found = []
     for place, one in enumerate(rating.weakest):
         gear, damage, *cells = weakest_cells(one, rating.strength.wears)
