@@ -701,7 +701,7 @@ def test_a_disc_has_the_inertia_asked_for() -> None:
     """J = m d^2 / 8 of a steel disc 500 mm wide across and 40 mm thick: 61.65 kg, 1.9267 kg m2."""
     mass = 7.85e-6 * pi * 250.0**2 * 40.0
     found = disc(mass * 500.0**2 / 8.0, 500.0, 10.0)
-    assert (found.width_mm, found.mass_kg, found.rim_m_s) == pytest.approx((40.0, mass, 2.5), rel=1e-12)
+    assert (found.width_mm, found.mass_kg, found.rim_speed_m_s) == pytest.approx((40.0, mass, 2.5), rel=1e-12)
 
 
 # Shafts of constant speed

@@ -187,8 +187,8 @@ def test_words_about_rims_jams_and_bearing_along_the_face() -> None:
     )
     assert rim_words(one, Made(weakest=weakest[1:])) == ""
     known = Made(
-        least=Made(factor=1.1), greatest=Made(factor=1.6), decisive=Made(factor=1.5, tooth=7), by_shafts=1.2, best=1.3,
-        best_um=8.0,
+        factor_min=1.1, factor_max=1.6, decisive_factor=1.5, decisive_tooth=7, decisive_factor_by_shafts=1.2,
+        best_crowning_factor=1.3, best_crowning_um=8.0,
     )  # fmt: skip
     loaded = Made(face_loading=Made(constant=1.25, basis="assumed", why="no bearings are given", rigid_bearings=["a"]),
                   told_face_load_by=lambda method: known, design=Made(tolerances=None))  # fmt: skip
@@ -197,7 +197,7 @@ def test_words_about_rims_jams_and_bearing_along_the_face() -> None:
     assert "factor 1.1 to 1.6 by shafts" in words
     assert "1.5 at tooth 7" in words
     assert "crowning of 8 \u00b5m: 1.3; without static_rating_n, a counts as rigid" in words
-    known.best = 1.4999
+    known.best_crowning_factor = 1.4999
     assert "no other crowning is better" in face_load_words(loaded, rating)
     loaded.told_face_load_by = lambda method: None
     assert face_load_words(loaded, rating) == "factor 1.25, assumed since no bearings are given"

@@ -102,19 +102,11 @@ def _bearing(found: BearingLife) -> dict[str, Any]:
 
 
 def _flywheel(found: DrivetrainResult) -> dict[str, Any]:
-    disc = found.disc
-    told: dict[str, Any] = {
+    told = {
         "speed_fluctuation_wanted": found.wanted_fluctuation,
         "inertia_needed_on_driving_shaft_kg_m2": KG_M2 * found.flywheel_kg_mm2,
     }
-    if disc is not None:
-        told["disc"] = {
-            "diameter_mm": disc.diameter_mm,
-            "width_mm": disc.width_mm,
-            "mass_kg": disc.mass_kg,
-            "rim_speed_m_s": disc.rim_m_s,
-        }
-    return told
+    return told if found.disc is None else {**told, "disc": asdict(found.disc)}
 
 
 def _motor(found: MotorResult) -> dict[str, Any]:

@@ -28,7 +28,6 @@ REGIMES = {
 }
 """The words for a regime."""
 
-
 NOT_JUDGED = "not judged"
 ONLY_A_JAM = "not judged, because only a jam presses the flanks, a few times"
 
@@ -123,10 +122,8 @@ def surfaces_rows(drive: Drive, found: Surfaces) -> list[tuple[str, str]]:
 def _film_words(drive: Drive, film: Film) -> str:
     """The regime with the least film and its place, and the oil's temperature."""
     assumed = " assumed" if drive.design.strength.temperature_c is None else ""
-    least, oil = (
-        to_digits(film.thickness.value, 2),
-        f"{drive.conditions.lubrication} at {film.oil_c:g} \u00b0C{assumed}",
-    )
+    least = to_digits(film.thickness.value, 2)
+    oil = f"{drive.conditions.lubrication} at {film.oil_c:g} \u00b0C{assumed}"
     return f"{REGIMES[film.regime]}: {least} of the roughness at {angle_words(film.thickness)}, {oil}"
 
 

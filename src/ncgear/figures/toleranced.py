@@ -82,16 +82,13 @@ def pair_figures(found: PairAssemblies, of: PairStudy, *, loaded: bool) -> dict[
     return _of_flanks(found, of.knock is not None and loaded)
 
 
-def worst_is_least(key: str) -> bool:
-    """Whether little of a figure is bad."""
-    return key in ("least_play_mm", "contact_ratio_min")
+WORST_IS_LEAST = "least_play_mm", "contact_ratio_min"
+"""Figures of which little is bad."""
 
 
 def percentiles(tolerated: Tolerated) -> dict[str, dict[str, float]]:
     """Each figure of the machine as designed, its median, and what 99 of 100 assemblies keep, on the bad side."""
-    return _percentiles(
-        assemblies_figures(tolerated.assemblies, tolerated), assemblies_figures(tolerated.nominal, tolerated)
-    )
+    return _percentiles(*(assemblies_figures(one, tolerated) for one in (tolerated.assemblies, tolerated.nominal)))
 
 
 def pair_percentiles(tolerated: Tolerated) -> list[dict[str, dict[str, float]]]:
@@ -108,7 +105,7 @@ def _percentiles(told: Mapping[str, Array], nominal: Mapping[str, Array]) -> dic
         key: {
             "as_designed": float(nominal[key][0]),
             "median": float(np.median(values)),
-            "of_99_percent": float(np.percentile(values, PERCENT_LOW if worst_is_least(key) else PERCENT_HIGH)),
+            "of_99_percent": float(np.percentile(values, PERCENT_LOW if key in WORST_IS_LEAST else PERCENT_HIGH)),
             "least": float(values.min()),
             "largest": float(values.max()),
         }
@@ -124,7 +121,6 @@ def share_words(share: Share) -> str:
 
 MOST_OFF = 0.1
 """From this error on the linear model is a warning; the error is a share of the displacement of the flanks."""
-
 
 NOT_JUDGED = "Not judged: all but assembly, knocking and the linear model (ncgear build)"
 """What the answer leaves to the verdict on the machine."""
@@ -326,7 +322,6 @@ def _power_of_two(count: int) -> int:
 SHOWN = "as_designed", "median", "of_99_percent"
 
 ASSUMED = "Assumed, as the file has no section tolerances: "
-
 
 ROOM = COLUMNS - 30
 """Characters of a line that names, "varies with" and what is between them leave to what a figure varies with."""

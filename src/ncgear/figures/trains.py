@@ -91,9 +91,8 @@ def judged_contacts(
     least = min(distances, key=lambda one: one.least_mm, default=None)
     passing = "no parts at one height come near to each other"
     if least is not None:
-        passing = (
-            f"{least.first} and {least.second} pass at {to_digits(least.least_mm, 3)} mm, all others farther apart"
-        )
+        near = f"{least.first} and {least.second} pass at {to_digits(least.least_mm, 3)} mm"
+        passing = f"{near}, all others farther apart"
     return (
         TrainCondition("meshes", not said, "; ".join(said) or met),
         TrainCondition("room", not room, "; ".join(room) or passing),

@@ -219,30 +219,26 @@ def lead_form(gears: Gears) -> LeadForm:
 
 
 @dataclass(frozen=True)
-class ToothFactor:
-    """K_Hbeta of a tooth of the driving gear, counted from 1, where its flank carries most per mm of width."""
-
-    factor: float
-    tooth: int
-
-
-@dataclass(frozen=True)
 class ToldFaceLoad:
     """Figures of the load along the width: the least and the greatest K_Hbeta of the teeth, and the decisive one.
 
-    Teeth count if their load per mm of width is at least LEADING of the largest.  ``decisive`` is K_Hbeta of the tooth
-    with most load per mm of width, ``by_shafts`` the same without misalignment, and ``best`` the same with the best
-    crowning, ``best_um``.  ``askew_um`` includes running in, and ``crowning_um`` is the crowning of the design.
+    Each has the tooth of the driving gear, counted from 1.  Teeth count if their load per mm of width is at least
+    LEADING of the largest; the decisive tooth has most load per mm of width.  ``decisive_factor_by_shafts`` is its
+    factor without misalignment, ``best_crowning_factor`` its factor with the best crowning.  ``askew_um`` includes
+    running in, and ``crowning_um`` is the crowning of the design.
     """
 
-    least: ToothFactor
-    greatest: ToothFactor
-    decisive: ToothFactor
-    by_shafts: float
+    factor_min: float
+    factor_min_tooth: int
+    factor_max: float
+    factor_max_tooth: int
+    decisive_factor: float
+    decisive_tooth: int
+    decisive_factor_by_shafts: float
     askew_um: float
     crowning_um: float
-    best_um: float
-    best: float
+    best_crowning_um: float
+    best_crowning_factor: float
 
 
 LEADING = 0.5
@@ -267,15 +263,11 @@ def told_face_load(loading: FaceLoading, contacts: LoadedContacts, over: float, 
     heavy = most >= LEADING * most.max()
     crowning_mm = round(best_crowning_mm(model, loads.kept(heavy), most[heavy]) / MM_PER_UM) * MM_PER_UM
     best = replace(model, lead=replace(model.lead, crowning_mm=crowning_mm)).factors(loads)[place]
-    decisive = int(line.argmax())
-
-    def told(row: int) -> ToothFactor:
-        return ToothFactor(float(factors[row]), int(tooth[row]))
-
+    least, greatest, decisive = rows[factors[rows].argmin()], rows[factors[rows].argmax()], int(line.argmax())
     return ToldFaceLoad(
-        told(rows[factors[rows].argmin()]),
-        told(rows[factors[rows].argmax()]),
-        told(decisive),
+        *(float(factors[least]), int(tooth[least])),
+        *(float(factors[greatest]), int(tooth[greatest])),
+        *(float(factors[decisive]), int(tooth[decisive])),
         float(straight[decisive]),
         model.askew_mm / MM_PER_UM,
         model.lead.crowning_mm / MM_PER_UM,

@@ -530,7 +530,7 @@ class _Search:
         if is_given(self.drive.design, CROWNING):
             return {}
         told = near.drive.told_face_load_by("estimate")
-        return {CROWNING: told.best_um} if told is not None and told.best_um > 0.0 else {}
+        return {CROWNING: told.best_crowning_um} if told is not None and told.best_crowning_um > 0.0 else {}
 
     def volume(self, teeth: int, module_mm: float) -> float:
         """Square of the centre distance times the guessed face width; infinite where the gears have no room."""

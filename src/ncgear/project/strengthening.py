@@ -127,9 +127,9 @@ def unknown(drive: Drive) -> WrongInput | None:
 def crowned_enough(drive: Drive, rating: Rating) -> Changes:
     """The best lead crowning in whole um, if teeth hold with it; else, or where it is not known, empty."""
     told = drive.told_face_load_by(rating.strength.method)
-    if told is None or told.best_um == told.crowning_um:
+    if told is None or told.best_crowning_um == told.crowning_um:
         return {}
-    changes: Changes = {CROWNING: told.best_um}
+    changes: Changes = {CROWNING: told.best_crowning_um}
     return changes if _holds(drive, rating, changes) else {}
 
 

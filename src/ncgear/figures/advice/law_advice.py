@@ -69,7 +69,11 @@ def speeds(drive: Drive) -> Advice | None:
     operating, law = drive.design.operation.speed_rpm, drive.law_speed_rpm
     if abs(operating / law - 1.0) < SAME_SPEED:
         return None
-    held = speeds_at_work(drive)
+    unit, facts = drive.linkage.OUTPUT.speed, drive.law.stroke.facts if drive.law.stroke else {}
+    share, end = operating / law, f"_{unit.ending}"
+    given = {key.removesuffix(end): one for key, one in facts.items() if key.endswith(end) and isinstance(one, float)}
+    named = [f"{name} is {to_digits(share * one, 5)} {unit.text}" for name, one in given.items()]
+    held = " and ".join(named) or f"velocities are {to_digits(share, 3)} times as large"
     return Advice(
         Kind.SPEEDS,
         f"the law's velocities hold at {to_digits(law, 5)} r/min, and the machine runs at {operating:g} r/min",
@@ -77,15 +81,6 @@ def speeds(drive: Drive) -> Advice | None:
         matters=False,
         brief=f"at {operating:g} r/min {held}",
     )
-
-
-def speeds_at_work(drive: Drive) -> str:
-    """The velocities that a law states, as they are at the speed at which the machine runs, in words."""
-    unit, facts = drive.linkage.OUTPUT.speed, drive.law.stroke.facts if drive.law.stroke else {}
-    share, end = drive.design.operation.speed_rpm / drive.law_speed_rpm, f"_{unit.ending}"
-    given = {key.removesuffix(end): one for key, one in facts.items() if key.endswith(end) and isinstance(one, float)}
-    named = [f"{name} is {to_digits(share * one, 5)} {unit.text}" for name, one in given.items()]
-    return " and ".join(named) or f"velocities are {to_digits(share, 3)} times as large"
 
 
 def negative_resistance(drive: Drive, returning: bool) -> Advice | None:

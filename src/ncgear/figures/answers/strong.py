@@ -14,7 +14,7 @@ from ncgear.figures.answers.machine import gear_rows
 from ncgear.figures.flanks import surfaces_rows, vibration_of_rating, vibration_words
 from ncgear.figures.numbers import shown, teeth_words, to_digits
 from ncgear.figures.quantities import figure, name_of
-from ncgear.figures.sized import parts_that_fail, sized_rows
+from ncgear.figures.sized import parts_that_fail, sized_row
 from ncgear.figures.strong import (
     DECIDING,
     HEADS,
@@ -160,7 +160,7 @@ def sized_answer(
     return Answer(
         f"{design.name}: the smallest gears that hold at {design.operation.speed_rpm:g} r/min, by the estimate",
         (
-            *(Row(f"module {cells[0]} mm", tuple(cells[1:])) for cells in sized_rows(found)),
+            *(Row(f"module {cells[0]} mm", tuple(cells[1:])) for cells in map(sized_row, found)),
             Row("material", (materials_words(first.drive, strength),)),
             Row("wanted", (f"safeties of {listed(wanted, 'and')}",)),
             Row("first", (", ".join(map(str, changed(first.changes))),)),

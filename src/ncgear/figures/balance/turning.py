@@ -49,12 +49,12 @@ def _gear(gear: BalancedGear, grade: float) -> dict[str, Any]:
         # Grades are limits of fast rotors: beside the weight of a slow gear, what they forbid is not felt
         force, weight = figures["unbalance_force_n"], STANDARD_GRAVITY_M_S2 * gear.body.mass_kg
         figures["worth_correcting"] = not figures["permitted"] and force > NOTICED * weight
-        holes, boss = gear.corrected.holes, gear.corrected.boss
+        boss = gear.corrected.boss
         left = _body(gear.corrected.body, gear.speed_rad_s, grade)
         figures["corrected"] = {
             **left,
             "force_removed_n": force - left["unbalance_force_n"],
-            "holes": [{"x_mm": hole.x_mm, "y_mm": hole.y_mm, "diameter_mm": hole.diameter_mm} for hole in holes],
+            "holes": list(map(asdict, gear.corrected.holes)),
             "boss_height_mm": boss.height_mm if boss else None,
             "boss_area_mm2": float(boss.section.area) if boss else None,
         }

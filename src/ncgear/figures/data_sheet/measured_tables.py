@@ -10,7 +10,7 @@ import numpy as np
 from ncgear.figures.numbers import drawn, shown
 from ncgear.figures.tables import Column, Table, Value, cell_text, columns_of
 from ncgear.metrology.cut_by import CutBy
-from ncgear.metrology.pins import Misfit, Pins, TwoPins, over_two_pins
+from ncgear.metrology.pins import Misfit, TwoPins, over_two_pins
 from ncgear.metrology.span import MeasuredSpans
 from ncgear.project.workshop_measures import CutGear, GearMeasures
 
@@ -35,14 +35,23 @@ def pin_tables(gear: GearMeasures) -> tuple[Table, ...]:
 def one_pin_table(gear: GearMeasures) -> Table:
     """The distances from the axis over pins, in a ring to their near sides: space, centre, distance, its limits."""
     ring, pins, name, tool = gear.working.is_ring, gear.pins, gear.gear.value, gear.tool
-    limits = [_over_one(pins_there) for _, pins_there in gear.at_limits]
+    limits: list[Readings] = [
+        {(space,): over for space, over in zip(one.space.tolist(), one.over_mm.tolist(), strict=True)}
+        for _, one in gear.at_limits
+    ]
     found = zip(pins.space.tolist(), pins.center_mm.tolist(), pins.over_mm.tolist(), strict=True)
     rows = [(space, *center, over, *_among(limits, (space,))) for space, center, over in found]
     places = (Column(f"{axis} of the {tool}'s centre", "mm") for axis in "xy")
     far = Column(f"axis to the {tool}'s {'near' if ring else 'far'} side", "mm")
     columns = (SPACE, *places, far, *(LIMITS if limits else ()))
     title = f"{tool.capitalize()}s of {drawn(pins.diameter_mm, 'mm')} mm in the {name} gear"
-    return Table(title, columns, tuple(rows), _pin_notes(pins, tool), long=True)
+    by_reason = {reason: [space for space, why in pins.misfits.items() if why is reason] for reason in Misfit}
+    notes = tuple(
+        f"not defined in the spaces after teeth {shown(spaces)}: {reason.value.replace('pin', tool)}"
+        for reason, spaces in by_reason.items()
+        if spaces
+    )
+    return Table(title, columns, tuple(rows), notes, long=True)
 
 
 def two_pin_table(gear: GearMeasures) -> Table:
@@ -61,10 +70,6 @@ def allowed_texts(values: Sequence[Value]) -> list[str]:
     return [cell_text(value, "mm") for value in (values[1:] or values)]
 
 
-def _over_one(pins: Pins) -> Readings:
-    return {(space,): over for space, over in zip(pins.space.tolist(), pins.over_mm.tolist(), strict=True)}
-
-
 def _over_two(found: TwoPins) -> Readings:
     spaces = zip(found.first.tolist(), found.second.tolist(), strict=True)
     return dict(zip(spaces, found.distance_mm.tolist(), strict=True))
@@ -74,16 +79,6 @@ def _among(limits: list[Readings], spaces: Spaces) -> tuple[Value, ...]:
     """The least and the greatest reading in some spaces over both limits; empty where pins do not measure at both."""
     found = [readings[spaces] for readings in limits if spaces in readings]
     return tuple(sorted(found)) if len(found) == len(limits) else (None,) * len(limits)
-
-
-def _pin_notes(pins: Pins, tool: str) -> tuple[str, ...]:
-    """The spaces in which pins measure nothing, by reason."""
-    by_reason = {reason: [space for space, why in pins.misfits.items() if why is reason] for reason in Misfit}
-    return tuple(
-        f"not defined in the spaces after teeth {shown(spaces)}: {reason.value.replace('pin', tool)}"
-        for reason, spaces in by_reason.items()
-        if spaces
-    )
 
 
 SPAN_COLUMNS = columns_of(

@@ -233,10 +233,7 @@ def rack_data(drive: Drive) -> Iterator[SheetEntry]:
     if helix is None:
         yield SheetEntry("helix angle", "deg", 0.0)
     else:
-        hands, kind = (
-            (helix.hand, *({"right", "left"} - {helix.hand})),
-            "herringbone, at z = 0 " if helix.herringbone else "",
-        )
+        hands, kind = (helix.hand, *({"right", "left"} - {helix.hand})), "herringbone, at z = 0 " * helix.herringbone
         yield SheetEntry("helix angle at the pitch curve", "deg", degrees(helix.angle_rad))
         yield of_both("hand of helix", (f"{kind}{hand}" for hand in hands), "")
     by_itself = drive.teeth.cutter is CutterKind.RACK and driving.has_own_shifts
@@ -249,7 +246,8 @@ def tooth_data(drive: Drive) -> Iterator[SheetEntry]:
     Both under load too, where a load brings more flanks into contact.
     """
     both = drive.teeth.driving, drive.teeth.driven
-    yield of_both("teeth that a tool of full depth undercuts", map(_undercut, both), "")
+    undercut = (_with_amount(one.undercut, undercutting, one) for one in both)
+    yield of_both("teeth that a tool of full depth undercuts", undercut, "")
     yield of_both("teeth with shortened tips", map(_shortened, both), "")
     section = ", in the section at z = 0" if drive.helix else ""
     without = f"{section}, without load" if drive.designed_contact.held_apart else section
@@ -258,10 +256,6 @@ def tooth_data(drive: Drive) -> Iterator[SheetEntry]:
         yield from _of_pair(drive, "contact_ratio_under_load_mean", "contact_ratio_under_load_min", after=section)
     if drive.helix:
         yield SheetEntry("overlap ratio", pair=drive.overlap_ratio)
-
-
-def _undercut(gear: ToothedGear) -> str:
-    return _with_amount(gear.undercut, undercutting, gear)
 
 
 def _shortened(gear: ToothedGear) -> str:
