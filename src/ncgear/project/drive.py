@@ -250,13 +250,10 @@ class Drive(Geared):
         """The loaded machine with the knocks of its teeth; None without knocks, and for two pairs in series."""
         from ncgear.dynamics.knocking import KnockingMachine
 
-        if (
-            self.design.stages > 1
-            or not self.knocks
-            or (borne := self.loading_by(self.design.strength.method).borne) is None
-        ):
+        if self.design.stages > 1 or not self.knocks:
             return None
-        return KnockingMachine(self.rigid.machine, borne)
+        borne = self.loading_by(self.design.strength.method).borne
+        return None if borne is None else KnockingMachine(self.rigid.machine, borne)
 
     @computed
     def knocking_peaks(self) -> LoadPeaks | None:
@@ -287,10 +284,8 @@ class Drive(Geared):
         self.require_pairs(1)
         require_possible_stiffness(self.design.simulation, self.gears.face_width_mm)
         if self.helix is not None:
-            raise WrongInput(
-                "helical teeth are rated by ncgear strength, but not followed in motion; leave it out",
-                key="gears.helix",
-            )
+            problem = "helical teeth are rated by ncgear strength, but not followed in motion; leave it out"
+            raise WrongInput(problem, key="gears.helix")
         self.require_sound_teeth()
         return self._any_meshing
 

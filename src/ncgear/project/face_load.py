@@ -91,11 +91,8 @@ class FaceLoading:
         """K_Hbeta for a load that is known without teeth, with K_V ``shaken``, shape (n,) each."""
         if self.model is None:
             return np.full(one.load.force_n.shape, self.constant)
-        load = one.load
-        pressing = self.pressing(
-            load.phi1_rad, load.urge, load.force_n, one.stiffness_n_mm2, application_factor, shaken
-        )
-        return self.model.factors(pressing)
+        at = one.load.phi1_rad, one.load.urge, one.load.force_n
+        return self.model.factors(self.pressing(*at, one.stiffness_n_mm2, application_factor, shaken))
 
     def pressing(
         self,
@@ -152,7 +149,11 @@ def face_loading_of(drive: Geared) -> FaceLoading:
     shafts = driving.shaft((arms[0], first), -on_driven, 0.0 * crank), driven.shaft((arms[1], second), on_driven, crank)
     askew, running = _askew_mm(design, drive.running), drive.running
     worn = sum(running_in(one, running, askew) for one in choices_of(gears)) / 2.0
-    model = FaceModel(shafts, driven.crank_at_mm, gears.face_width_mm, askew - worn, lead_form(gears))
+    lead = gears.lead
+    form = LeadForm(
+        MM_PER_UM * lead.crowning_um, MM_PER_UM * (lead.end_relief_um or 0.0), lead.end_relief_length_mm or 0.0
+    )
+    model = FaceModel(shafts, driven.crank_at_mm, gears.face_width_mm, askew - worn, form)
     return FaceLoading("computed", model=model, asked=asked)
 
 
@@ -208,14 +209,6 @@ def grades_of(design: Design) -> tuple[int | None, int | None]:
     if given is None:
         return GRADE, GRADE
     return given.driving.grade or given.grade, given.driven.grade or given.grade
-
-
-def lead_form(gears: Gears) -> LeadForm:
-    """The form of the flanks along the width."""
-    lead = gears.lead
-    return LeadForm(
-        MM_PER_UM * lead.crowning_um, MM_PER_UM * (lead.end_relief_um or 0.0), lead.end_relief_length_mm or 0.0
-    )
 
 
 @dataclass(frozen=True)

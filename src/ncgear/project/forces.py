@@ -40,9 +40,7 @@ the modulus of steel, and steel teeth are at most 1.8 times as stiff as in ISO; 
 DEPTHS_MM = (1e-3, 1.0)
 """Depths at which teeth carry loads: a law of impact is possible if its force is possible at any of these depths."""
 
-
 STIFFNESS_KEY = "simulation.stiffness_n_mm"
-
 
 FULLY_DAMPED = 1500.0
 """Depths in a module above which damping is full where the file gives none: 2 micrometres at a module of 3 mm, where
@@ -125,12 +123,8 @@ def damped(given: Simulation, meshing: Meshing, inertia_n_mm_s2: float) -> Meshi
     """
     if given.damping_n_s_mm is not None:
         return meshing
-    lever, exponent, depth = (
-        meshing.gaps.touching_levers_mm,
-        meshing.impact.exponent,
-        meshing.impact.full_damping_depth_mm,
-    )
-    mass, sections = inertia_n_mm_s2 / float(np.mean(lever**2)), meshing.gaps.sections
+    exponent, depth, sections = meshing.impact.exponent, meshing.impact.full_damping_depth_mm, meshing.gaps.sections
+    mass = inertia_n_mm_s2 / float(np.mean(meshing.gaps.touching_levers_mm**2))
     stiffness = sections * float(np.mean(meshing.gaps.touching_stiffness)) * exponent * depth ** (exponent - 1.0)
     critical = 2.0 * sqrt(stiffness * mass) / sections
     return replace(meshing, impact=replace(meshing.impact, damping_n_s_mm=given.damping_ratio * critical))

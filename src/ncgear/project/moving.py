@@ -166,9 +166,3 @@ class Moving(Shown):
         if not self.linkage.RETURNS:
             return {}
         return {f"stroke_residual_{place.ending}": place.factor * self.stroke_residual}
-
-    @computed
-    def massless_uniform_check(self) -> KinematicCheck:
-        """The uniform crank's peaks at the same speed, with the power of the resistance alone."""
-        with self.stopwatch("check"):
-            return kinematic_check(self.uniform_machine)

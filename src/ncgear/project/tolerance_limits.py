@@ -151,27 +151,19 @@ def process_of(drive: Drive) -> Process:
     Without such keys: hobbed or shaped, if a hob can cut every gear, else wire-cut.
     """
     gears = drive.gears
-    if _is_printed(gears):
+    materials = () if gears.material is None else [one.name for one in gears.material.each]
+    printed = any(name.endswith("-print") for name in materials)
+    if printed or gears.process_clearance_mm > 0.0 or gears.first_layer_chamfer_mm > 0.0:
         return Process.PRINTED
     if gears.cutter.kind in ("rack", "pinion"):
         return Process.GENERATED
     if gears.process_clearance_mm < 0.0 or gears.cutter.kind == "mate":
         return Process.CUT
-    hobbed = all(_is_convex(pair) for pair in drive.whole.by_stage)
-    return Process.GENERATED if hobbed else Process.CUT
-
-
-def _is_printed(gears: Gears) -> bool:
-    materials = () if gears.material is None else [one.name for one in gears.material.each]
-    return (
-        any(name.endswith("-print") for name in materials)
-        or gears.process_clearance_mm > 0.0
-        or gears.first_layer_chamfer_mm > 0.0
+    hobbed = all(
+        not pair.pitch.driven.is_ring and all(pair.pitch.least_concave_radius_mm(gear) is None for gear in Gear)
+        for pair in drive.whole.by_stage
     )
-
-
-def _is_convex(pair: Drive) -> bool:
-    return not pair.pitch.driven.is_ring and all(pair.pitch.least_concave_radius_mm(gear) is None for gear in Gear)
+    return Process.GENERATED if hobbed else Process.CUT
 
 
 def tolerances_of(drive: Drive) -> tuple[AssemblyTolerances, Process | None]:

@@ -28,6 +28,9 @@ from ncgear.project.best_law import BestLaw
 from ncgear.project.frontier_run import Frontier
 from ncgear.project.law_task import SoughtMachine
 
+GOALS = {Goal.WEIGHTED: "least weighted sum"}
+"""Words for goals whose own name says too little."""
+
 POINTS = 8
 """Points of a frontier that are told."""
 
@@ -39,8 +42,7 @@ def optimized_answer(best: BestLaw, then: str) -> Answer:
         found["design as given"] = best.given_figures
     found["uniform crank"] = best.uniform_figures
     design = best.design
-    weighted = best.wishes.goal is Goal.WEIGHTED
-    goal = "least weighted sum" if weighted else best.wishes.goal.value.replace("_", " ")
+    goal = GOALS.get(best.wishes.goal, best.wishes.goal.value.replace("_", " "))
     return Answer(
         f"{design.name}: {goal} at {design.operation.speed_rpm:g} r/min",
         tuple(_rows(best, list(found.values()))),

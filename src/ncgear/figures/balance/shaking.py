@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import combinations
-from math import degrees
+from math import degrees, radians
 from typing import Any
 
 from ncgear.balance.counterweights import least_squares, minimax, sweep
-from ncgear.balance.excitation import Excitation, margins, of_engine, of_shaft, of_slider
+from ncgear.balance.excitation import Engine, Excitation, Shaft, margins, of_engine, of_shaft, of_slider
 from ncgear.balance.frame import (
+    Chassis,
     Crank,
     Mounted,
     best_phase,
@@ -34,14 +35,7 @@ from ncgear.balance.waveform import Statistics
 from ncgear.design.keys import balance as keys
 from ncgear.errors import below
 from ncgear.numerics.units import N_M_PER_N_MM
-from ncgear.project.balancing import (
-    Balancing,
-    chassis_of,
-    crank_counterweight,
-    engines_of,
-    joint_masses_of,
-    shafts_of,
-)
+from ncgear.project.balancing import Balancing, crank_counterweight, joint_masses_of
 from ncgear.ratio.laws.uniform import uniform_law
 
 EVEN = 1e-12
@@ -247,7 +241,7 @@ def chassis_figures(balancing: Balancing) -> dict[str, Any]:
     asked = balancing.balance.chassis
     assert asked is not None
     number = [one.name for one in balancing.balance.mechanisms].index(asked.mechanism)
-    chassis = chassis_of(asked)
+    chassis = Chassis(asked.support_mm, asked.counterweight_mm, radians(asked.tilt_deg))
     found = dynamic_counterweights(chassis, balancing.mounted[number].mechanism)
     static = static_counterweight_kg(chassis, asked.slider_kg, asked.weight_kg, asked.weight_lever_mm)
     return {
@@ -266,9 +260,11 @@ def excitations_of(balancing: Balancing) -> list[Excitation]:
     asked = balancing.balance.excitations
     assert asked is not None
     named = zip(balancing.balance.mechanisms, balancing.mounted, strict=True)
+    engines = (Engine(of.name, of.speed_rpm, of.cylinders, of.strokes, of.inertia_order) for of in asked.engines)
+    shafts = (Shaft(of.name, of.speed_rpm, of.rollers, of.teeth, of.roller_ratio) for of in asked.shafts)
     return [
-        *(one for engine in engines_of(asked) for one in of_engine(engine)),
-        *(one for shaft in shafts_of(asked) for one in of_shaft(shaft)),
+        *(one for engine in engines for one in of_engine(engine)),
+        *(one for shaft in shafts for one in of_shaft(shaft)),
         *(h for given, one in named if asked.harmonics for h in of_slider(given.name, one.mechanism, asked.harmonics)),
     ]
 
