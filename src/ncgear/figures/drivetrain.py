@@ -184,7 +184,6 @@ def _pto(found: PowerTakeOffResult, demand: Demand) -> dict[str, Any]:
 
 
 def _spans_deg(found: Sequence[Excursion]) -> list[list[float]]:
-    """Driving angles at which the coupling lets go and catches again, or the whole rest of a cycle."""
     return [[degrees(one.start_rad), degrees(one.last_rad)] for one in found]
 
 

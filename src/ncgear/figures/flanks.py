@@ -78,7 +78,6 @@ def surfaces_figures(found: Surfaces) -> dict[str, Any]:
 
 
 def _at(name: str, place: ContactValue) -> dict[str, Any]:
-    """The driving angle and the teeth of a figure."""
     return {
         f"{name}_at_rad": place.phi1_rad,
         "driving_tooth": place.driving_tooth,
@@ -120,7 +119,6 @@ def surfaces_rows(drive: Drive, found: Surfaces) -> list[tuple[str, str]]:
 
 
 def _film_words(drive: Drive, film: Film) -> str:
-    """The regime with the least film and its place, and the oil's temperature."""
     assumed = " assumed" if drive.design.strength.temperature_c is None else ""
     least = to_digits(film.thickness.value, 2)
     oil = f"{drive.conditions.lubrication} at {film.oil_c:g} \u00b0C{assumed}"
@@ -128,7 +126,6 @@ def _film_words(drive: Drive, film: Film) -> str:
 
 
 def _scuffing_words(drive: Drive, film: Film, found: Surfaces) -> str:
-    """The safety against scuffing, with the hottest contact and what is known of the oil."""
     hottest = f"{fixed(film.hottest_c, 0)} \u00b0C at {angle_words(film.flash_k)}"
     if found.scuffing_c is None or found.scuffing_safety is None:
         return f"{hottest}; where oil fails between bronze and steel is not known"

@@ -178,7 +178,6 @@ def _twice(setting: float) -> float:
 
 
 def _motion(drive: Drive) -> BenchStage:
-    """The peak acceleration among samples, beside the peak between zeros of its derivative."""
     machine, exact = drive.machine, drive.check.peak_acceleration_cycle.value
     cycle = drive.transmission.cycle_rad
 
@@ -204,7 +203,6 @@ def _motion(drive: Drive) -> BenchStage:
 
 
 def _pitch_curves(drive: Drive) -> BenchStage:
-    """The length of the driving pitch curve by chords, beside its length by quadrature."""
     pitch, asked = drive.pitch, drive.chord_tolerance_mm
     length = pitch.driving.length_mm
 

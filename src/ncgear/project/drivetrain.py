@@ -229,7 +229,6 @@ def _shaft_of(
     cycle: Cycle,
     wanted: WantedLife,
 ) -> ShaftResult:
-    """The parts of a shaft under the loads of one cycle."""
     gears, name = design.gears, gear.value
     assert gears is not None
     places = peak_places_rad(cycle, gear, bearings, crank_at_mm)

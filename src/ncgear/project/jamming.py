@@ -83,7 +83,6 @@ def jamming_of(drive: Drive) -> Jamming:
 
 
 def _made_up(backlash: float) -> float:
-    """A backlash in mm or degrees rounded up as people specify it."""
     return float(shown_above(backlash, 2)) if 0.0 < backlash < STEP else rounded_up(backlash, STEP)
 
 

@@ -242,7 +242,6 @@ def motion_wishes_of(design: Design, linkage: Mechanism, cycle_rad: float) -> tu
 
 
 def _wished(wishes: Wishes) -> Iterator[tuple[str, WishKeys]]:
-    """The dotted keys of all wishes, and their values."""
     for kind in KINDS:
         for number, keys in enumerate(kind.completed(wishes.of(kind))):
             yield f"wishes.{kind.KIND}.{number}" if kind.SEVERAL else f"wishes.{kind.KIND}", keys
@@ -264,7 +263,6 @@ def _refuse_places(wished: dict[str, WishKeys], on: On) -> None:
 
 
 def _refuse_angles(wished: dict[str, WishKeys], on: On) -> None:
-    """Refuse angles beyond the cycle."""
     for key, keys in wished.items():
         for quantity, in_rad in keys.ANGLES:
             if not getattr(keys, in_rad) < on.cycle_rad:

@@ -136,7 +136,6 @@ def motor_stall(drive: Geared) -> Stall | None:
 
 
 def _stops(drive: Geared, demand: Demand, motor: LineDrive) -> Stall | None:
-    """Where a motor stops within the turns of the simulation."""
     given = drive.design.simulation
     start = demand.speed_rad_s if given.start == "on_law" else 0.0
     return stall_of(demand, motor.torque_n_mm, start, 2.0 * pi * given.turns)

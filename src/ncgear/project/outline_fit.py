@@ -214,7 +214,6 @@ def fit(
 
 
 def _points(outline: Outline) -> dict[str, Any]:
-    """The keys of points along an outline."""
     corners = outline.corners if len(outline.corners) >= FEWEST_POINTS else outline.with_middles
     x, y = (corners if len(corners) <= MOST_POINTS else outline.even(MOST_POINTS)).T.tolist()
     return {"x_mm": x, "y_mm": y, "tolerance_mm": 1.0}
@@ -281,7 +280,6 @@ def _mate_wanted(asked: FollowedOutline | None) -> MateWanted | None:
 
 
 def _mate_fit(made: Made, wanted: MateWanted | None) -> MateFit | None:
-    """The distances of the mate from its outline."""
     curve, place = made.curve, made.curve.mate_place
     if wanted is None or place is None:
         return None
@@ -357,7 +355,6 @@ class _Search:
         )
 
     def _away_mm(self, made: Made) -> float:
-        """The deviation to be minimised."""
         return away_mm(self.outline, made.curve, self.wanted)
 
 
@@ -373,7 +370,6 @@ def _binding(made: Made, there: float) -> tuple[Subject, ...]:
 
 
 def _with_teeth(curve: Rolled, teeth: int) -> Rolled:
-    """The same curve for another number of teeth."""
     basis = SplineBasis(coefficients_for(teeth))
     phi = 2.0 * pi * np.arange(basis.count) / basis.count
     radius = basis.through(curve.basis.at(phi) @ curve.coefficients)

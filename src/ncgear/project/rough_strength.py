@@ -252,7 +252,6 @@ LEAST_SHIFT = 1e-9
 
 
 def _warm(drive: Drive, sides: list[SharedLoad], positions: int) -> tuple[Material, Material]:
-    """The materials; plastics at the temperature that friction gives them."""
     choices, conditions, running = choices_of(drive.gears), drive.conditions, drive.running
     if not any(isinstance(choice.entry, Plastic) for choice in choices):
         return drive.materials
@@ -283,7 +282,6 @@ def _height_mm(drive: Drive) -> float:
 
 
 def _known_wall_mm(drive: Drive, gear: Gear) -> float:
-    """The thinnest wall for which Y_B is known."""
     return thinnest_rim_mm(_height_mm(drive), drive.running.module_mm, internal=drive.pitch.of(gear).is_ring)
 
 

@@ -582,7 +582,6 @@ def _wider(one: Weakest, scale: float, larger: float) -> float:
 
 
 def _nothing(search: _Search) -> str:
-    """The words where no gears are found: the nearest gears."""
     near = max(search.computed, key=lambda one: one.share)
     return (
         f"no gears of series I up to {search.space.width_modules:g} modules wide were found that hold in this space; "

@@ -225,7 +225,6 @@ def lot_of(drive: Drive, given: AssemblyTolerances) -> Lot:
 
 
 def _mesh_and_limits(drive: Drive, given: AssemblyTolerances) -> tuple[LinearMesh, DeviationLimits]:
-    """The linear mesh of one pair, and the limits of its deviations."""
     _ = drive.designed_contact
     limits, gears = limits_of(drive, given), drive.gears
     if gears.idlers is not None:

@@ -67,7 +67,6 @@ def style() -> str:
 
 @cache
 def _macros() -> Any:
-    """The pieces as macros, by their names."""
     environment = Environment(loader=PackageLoader("ncgear.drawings.notebook", ""), autoescape=True)
     return environment.get_template("pieces.html.j2").module
 

@@ -106,7 +106,6 @@ def _title(value: object) -> tuple[str, str]:
 
 @singledispatch
 def _pieces(value: object) -> Iterator[Markup]:
-    """The pieces below the title of a value."""
     raise TypeError(f"{type(value).__name__} has no picture")
 
 
@@ -138,7 +137,6 @@ def _about_pair(pair: Drive) -> Markup:
 
 
 def _mechanism(linkage: Mechanism) -> str:
-    """The name of a mechanism's class in words."""
     return re.sub("(?<=[a-z])(?=[A-Z])", " ", type(linkage).__name__).lower()
 
 
@@ -328,7 +326,6 @@ def _png(picture_of: bytes) -> Markup:
 
 @_pieces.register
 def _whole_machines(found: WholeMachines) -> Iterator[Markup]:
-    """The machines as the command tells them."""
     answer = machines_answer(found)
     yield table(
         Table(
@@ -348,7 +345,6 @@ def _balancing(balancing: Balancing) -> Iterator[Markup]:
 
 @_pieces.register
 def _design(design: Design) -> Iterator[Markup]:
-    """The keys that the file gives, in their order."""
     yield table(Table("Keys of the file", columns_of("key", "value"), tuple(_given(design, ""))))
 
 

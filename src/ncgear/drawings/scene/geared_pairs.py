@@ -208,7 +208,6 @@ def _gear(drive: Drive, gear: Gear, number: int, mounting: Mounting, section: Po
 
 
 def _edges(plan: BodyPlan) -> list[Array]:
-    """The edges of pockets and hub on the upper face."""
     pockets = plan.web.pockets if plan.web else ()
     edges = [ring for pocket in pockets for ring in (pocket.exterior, *pocket.interiors)]
     hub = [circle_points(plan.hub.diameter_mm / 2.0, plan.chord_tolerance_mm)] if plan.hub else []

@@ -102,7 +102,6 @@ def _masses(drive: Drive) -> Facts:
 
 
 def _published(drive: Drive) -> list[Row]:
-    """Published mechanisms at the same speed, whose peak power is known."""
     found = [one for one in comparison_rows(drive)[2:] if one["same_speed"] and one["peak_power_w"] is not None]
     own = drive.check.peak_power_resistance_w.value
     alone, rows = " of the resistance alone" if drive.check.with_masses else "", []
@@ -173,7 +172,6 @@ TOGETHER = {
 
 
 def _gears(drive: Drive) -> list[Row]:
-    """The gears of a pair, how they touch, and whether they hold."""
     found, rows = safeties(drive), gear_rows(drive)
     if found is not None:
         held = [f"{safety} against {damage} ({wanted} wanted)" for damage, safety, wanted in found]

@@ -90,7 +90,6 @@ def _rows(of: str, rating: Rating, beside: Rating | None) -> list[Row]:
 
 
 def _about(drive: Drive, rating: Rating) -> list[Row]:
-    """The gears, their largest force, and how they touch under load."""
     loading, strength, error = rating.loading, rating.strength, "transmission_error_rad"
     told, force = vibration_of_rating(drive, rating), figure("force_n", strength.peak_pair_n)
     under_load = "not judged, because only a jam presses the teeth"

@@ -66,7 +66,6 @@ def balance_answer(figures: Mapping[str, Any]) -> Answer:
 
 
 def _parts(figures: Mapping[str, Any]) -> str:
-    """What the file has, in words."""
     count = len(figures.get("mechanisms", []))
     names = [f"{count} mechanism{'s' if count > 1 else ''}"] if count else []
     if "excitations" in figures:
@@ -154,7 +153,6 @@ def _unbalanced(gears: Mapping[str, Any]) -> list[Fault]:
 
 
 def _near(excitations: list[Mapping[str, Any]]) -> list[Fault]:
-    """Excitations near a natural frequency, the nearest first."""
     near = sorted((one for one in excitations if one["near"]), key=lambda one: abs(one["ratio"] - 1.0))
     return [
         Fault(

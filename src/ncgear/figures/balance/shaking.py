@@ -163,7 +163,6 @@ def _sweep(asked: keys.Sweep, mechanism: DrivenCrank) -> list[dict[str, float]]:
 
 
 def _track(of: Track) -> dict[str, float]:
-    """The size of the track of the centre of mass."""
     return {"track_along_mm": of.extent_mm[0], "track_across_mm": of.extent_mm[1], "track_area_mm2": of.area_mm2}
 
 
@@ -191,7 +190,6 @@ def frame_figures(balancing: Balancing) -> dict[str, Any]:
 
 
 def _sweep_of_machine(asked: keys.Sweep, mounted: list[Mounted], moved: int) -> list[dict[str, float]]:
-    """The counterweights of one mechanism, tried while all other mechanisms run."""
     tried = frame_sweep(mounted, moved, crank_counterweight(asked), asked.masses_kg)
     return [
         {
@@ -220,7 +218,6 @@ def _pairs(balancing: Balancing) -> list[dict[str, Any]]:
 
 
 def _massive(one: Mounted) -> bool:
-    """Whether the mechanism has both a reciprocating and a rotating mass."""
     joints = joint_masses(one.mechanism.linkage, one.mechanism.masses)
     return joints.reciprocating_kg != 0.0 and joints.rotating_kg != 0.0
 

@@ -127,7 +127,6 @@ def bodies(drive: Drive) -> tuple[SheetEntry, ...]:
 
 
 def _each(both: Iterable[object], name: str) -> list[Any]:
-    """What each gear has under a name."""
     return [getattr(one, name) for one in both]
 
 
@@ -137,7 +136,6 @@ def _sizes(parts: Iterable[Any], *names: str) -> list[Value]:
 
 
 def _given(rows: Iterable[SheetEntry]) -> tuple[SheetEntry, ...]:
-    """The rows that say something."""
     return tuple(row for row in rows if row.of_pair or row.driving or row.driven)
 
 

@@ -99,7 +99,6 @@ def rows_or_why(rows: Callable[[], Iterable[SheetEntry]]) -> tuple[SheetEntry, .
 
 
 def _cell(value: Callable[[], Value]) -> Value:
-    """A value, or why it is missing."""
     try:
         return value()
     except MISSING as error:
@@ -157,7 +156,6 @@ def _kind(curve: PitchCurve) -> str:
 
 
 def _ends(name: str, ends: Iterable[tuple[float, float]]) -> list[SheetEntry]:
-    """The least and the greatest value of both gears."""
     return [
         of_both(f"{word} {name}", both)
         for word, both in zip(("least", "greatest"), zip(*ends, strict=True), strict=True)
@@ -264,7 +262,6 @@ def _shortened(gear: ToothedGear) -> str:
 
 
 def _with_amount(numbers: list[int], loss: Callable[[ToothedGear], Loss], gear: ToothedGear) -> str:
-    """Numbers of teeth, and how much these have lost at most."""
     if not numbers:
         return shown(numbers)
     found = loss(gear)
