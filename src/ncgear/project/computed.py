@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from copy import copy
 from functools import cached_property, wraps
 from typing import Any, Self, TypeVar, overload
@@ -51,9 +51,3 @@ def computed_by(method: Callable[[Any, By], Found]) -> Callable[[Any, By], Found
         return found
 
     return known
-
-
-def take_over(names: Iterable[str], source: Any, target: Any) -> None:
-    """Give a drive the named attributes that another drive has computed, if they are the same for both."""
-    known = vars(source)
-    vars(target).update({name: known[name] for name in names if name in known})
