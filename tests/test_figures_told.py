@@ -13,7 +13,7 @@ from at_once import at_once
 from drives import drive
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.advice import drivetrain_advice, given_advice, strength_advice
-from ncgear.figures.balance.turning import _gear
+from ncgear.figures.balance.parts import _gear
 from ncgear.figures.best_law import felt, flywheel_figures, limits_not_reached
 from ncgear.figures.explained import _meaning
 from ncgear.figures.flanks import hours_words, surfaces_rows, vibration_of_rating
@@ -289,11 +289,12 @@ def test_meshes_and_room_of_a_train_are_judged_by_the_worst() -> None:
             allowed.append(most)
             return deepest > most
 
-        return Made(first=name, second="sun", deepest_mm=deepest, gap_mm=gap, deepest_at_rad=0.1, gap_at_rad=0.2,
+        return Made(first=name, second="sun", penetration_max_mm=deepest, gap_max_mm=gap,
+                    penetration_max_at_rad=0.1, gap_max_at_rad=0.2,
                     clashes=clashes, parts=lambda most: gap > most)  # fmt: skip
 
     def distance(least: float, name: str) -> Any:
-        return Made(first=name, second="bar", least_mm=least, at_rad=0.5)
+        return Made(first=name, second="bar", least_distance_mm=least, at_rad=0.5)
 
     train = Made(tolerance_mm=0.01)
     good = judged_contacts(train, [contact(0.001, 0.002, "a"), contact(0.004, 0.001, "b")], [distance(3.0, "c")])

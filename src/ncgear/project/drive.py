@@ -13,8 +13,8 @@ from ncgear.design.words import listed
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput, located
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
-from ncgear.project.computed import computed, computed_by
 from ncgear.project.geared import Geared
+from ncgear.project.moving import computed, computed_by
 
 if TYPE_CHECKING:
     from ncgear.contact.designed.as_designed import AsDesigned

@@ -24,9 +24,8 @@ from ncgear.numerics.arrays import Array, distinct
 from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
 from ncgear.pitch.shape import Gear
-from ncgear.project.computed import computed
 from ncgear.project.law import require_whole_turns, size_of
-from ncgear.project.moving import Moving
+from ncgear.project.moving import Moving, computed
 from ncgear.project.moving_masses import GearInertia, TrainInertia, disc_kg_mm2, masses_of, train_inertia
 from ncgear.project.tooth_form import (
     backlash_of,

@@ -324,13 +324,13 @@ def rough_vibration(drive: Drive) -> Iterator[Advice | NotJudged]:
 
 
 def _resonance(drive: Drive, told: ToldVibration | None) -> Iterator[Advice]:
-    if told is None or not told.resonates_deg or told.critical_rpm is None:
+    if told is None or not told.resonates_between_deg or told.critical_rpm is None:
         return
     speed, (low, high) = f"{drive.design.operation.speed_rpm:g} r/min", told.critical_rpm
-    where = stretches_words(told)
+    where, factor = stretches_words(told), to_digits(told.dynamic_factor, 2)
     yield Advice(
         Kind.VIBRATION,
-        f"the mesh resonates ({BAND}) {where} at {speed}: K_V is {to_digits(told.factor, 2)} at the largest load",
+        f"the mesh resonates ({BAND}) {where} at {speed}: K_V is {factor} at the largest load",
         "teeth part and hammer, and gears howl; K_V is least sure there, and is for gears that stay in the resonance",
         (
             Remedy(

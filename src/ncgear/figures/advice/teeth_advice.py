@@ -29,8 +29,7 @@ from ncgear.project.alternatives import (
     steeper_rack,
 )
 from ncgear.project.drive import Drive
-from ncgear.project.jamming import Jamming, jamming_of
-from ncgear.project.tolerance_limits import MOST_JAMMED
+from ncgear.project.tolerance_limits import MOST_JAMMED, Jamming, jamming_of
 from ncgear.project.tooth_form import thickness_limits_mm
 from ncgear.teeth.gear import ToothedGear
 from ncgear.teeth.lost import Loss, shortening, undercutting
@@ -240,7 +239,7 @@ SPREAD = Remedy("smaller bends, or bends to both sides, spread the row", short="
 
 def room(drive: Drive) -> list[Advice]:
     """Gears of a row that do not mesh, and meet somewhere in the turn."""
-    meeting = (one for one in drive.whole.row_room if one.least_mm <= 0.0)
+    meeting = (one for one in drive.whole.row_room if one.least_distance_mm <= 0.0)
     names = ((f"{one.first} and {one.second}".replace("_", " "), placed(degrees(one.at_rad))) for one in meeting)
     what = [f"{gears} meet at phi1 = {place} deg" for gears, place in names]
     return [Advice(Kind.ROOM, said, "the row cannot turn past there", (SPREAD,), brief=said) for said in what]

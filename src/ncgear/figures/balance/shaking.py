@@ -271,14 +271,6 @@ def excitation_figures(balancing: Balancing) -> list[dict[str, Any]]:
     asked = balancing.balance.excitations
     assert asked is not None
     return [
-        {
-            "source": one.excitation.source,
-            "kind": one.excitation.kind,
-            "frequency_hz": one.excitation.frequency_hz,
-            "amplitude_m_s2": one.excitation.amplitude,
-            "nearest_natural_hz": one.natural_hz,
-            "ratio": one.ratio,
-            "near": one.near,
-        }
+        {**vars(one.excitation), "nearest_natural_hz": one.nearest_natural_hz, "ratio": one.ratio, "near": one.near}
         for one in margins(excitations_of(balancing), asked.natural_hz, asked.band)
     ]
