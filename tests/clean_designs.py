@@ -14,7 +14,7 @@ import numpy as np
 from drives import design_of
 from ncgear.errors import DesignError
 from ncgear.project.drive import Drive
-from ncgear.project.jamming import jamming_of
+from ncgear.project.tolerance_limits import jamming_of
 
 Data = dict[str, Any]
 

@@ -34,7 +34,7 @@ NAME = "ellipse"
 
 def stage_of(errors: list[float], asked: float) -> BenchStage:
     trials = tuple(TimedStage(2.0**n, 1e-3 * 2.0**n, error, 2**n) for n, error in enumerate(errors))
-    return BenchStage("made up", "points", "", "points", "nothing", "mm", "nothing", asked, "k", 4.0, trials)
+    return BenchStage("made up", "points", "", "nothing", "mm", "nothing", asked, "k", 4.0, trials)
 
 
 class TestRecommendation:

@@ -26,7 +26,6 @@ from ncgear.figures.summary.build_summary import bodies_summary
 from ncgear.files.read_back import outline_of_stl, read_back, stl_bytes, written_outlines
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
-from ncgear.project.computed import take_over
 from ncgear.project.drive import Drive
 from ncgear.solids.mesh import slabs
 from ncgear.solids.mesh.finish import SCREW_TOLERANCE, screw_hole_mm3
@@ -416,7 +415,7 @@ def asked(text: str) -> Drive:
     """The printed pump with other bodies; what does not hang on them is computed once."""
     _ = plain_pump().teeth
     own = drive_of_text(GEARS + text)
-    take_over(("law", "pitch", "tooth_form", "teeth"), plain_pump(), own)
+    vars(own).update({name: vars(plain_pump())[name] for name in ("law", "pitch", "tooth_form", "teeth")})
     return own
 
 

@@ -25,9 +25,8 @@ from ncgear.figures.advice.verdict import JudgedCondition, KnownParts, State, ju
 from ncgear.metrology.pins import over_two_pins
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.project.jamming import jamming_of
 from ncgear.project.strengthening import rating_of
-from ncgear.project.tolerance_limits import limits_of, tolerances_of
+from ncgear.project.tolerance_limits import jamming_of, limits_of, tolerances_of
 from ncgear.strength.holding import Damage
 from oracles import conditions as outside
 from oracles.meshing import Pair

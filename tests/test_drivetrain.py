@@ -206,7 +206,7 @@ def test_forces_and_stresses_of_shafts_against_many_more_places(gear: Gear) -> N
     section, stresses = found.shaft.section, found.shaft.stresses
     resistance = pi * section.diameter_mm**3 / 32.0
     torsion = np.abs(loads.torque_n_mm).max() / (2.0 * resistance)
-    assert 0.997 < torsion / stresses.torsion_largest_mpa < 1.0 + 1e-9
+    assert 0.997 < torsion / (abs(stresses.torsion_mean_mpa) + stresses.torsion_amplitude_mpa) < 1.0 + 1e-9
     once = of_cycle.cycle_rad if gear is Gear.DRIVING else 2.0 * pi
     assert once == pytest.approx(2.0 * pi)  # each cycle sees the shaft as the one before
     turning = bending_moment_n_mm(loads, both, crank_at_mm, 0.0) / resistance * np.exp(-1j * loads.turned_rad)
@@ -701,7 +701,7 @@ def test_a_disc_has_the_inertia_asked_for() -> None:
     """J = m d^2 / 8 of a steel disc 500 mm wide across and 40 mm thick: 61.65 kg, 1.9267 kg m2."""
     mass = 7.85e-6 * pi * 250.0**2 * 40.0
     found = disc(mass * 500.0**2 / 8.0, 500.0, 10.0)
-    assert (found.width_mm, found.mass_kg, found.rim_m_s) == pytest.approx((40.0, mass, 2.5), rel=1e-12)
+    assert (found.width_mm, found.mass_kg, found.rim_speed_m_s) == pytest.approx((40.0, mass, 2.5), rel=1e-12)
 
 
 # Shafts of constant speed

@@ -462,16 +462,16 @@ class TestBalerDrivetrain:
         drive = drives.drive("baler-drivetrain")
         told = drive.told_face_load_by("estimate")
         assert told is not None
-        assert 1.0 < told.by_shafts < 1.2
-        assert 1.5 < told.decisive.factor < 1.8
-        assert told.least.factor < 0.9 * told.decisive.factor
-        assert told.greatest.factor > 1.1 * told.decisive.factor
+        assert 1.0 < told.decisive_factor_by_shafts < 1.2
+        assert 1.5 < told.decisive_factor < 1.8
+        assert told.factor_min < 0.9 * told.decisive_factor
+        assert told.factor_max > 1.1 * told.decisive_factor
         assert drive.face_loading.model is not None
         for gear, shaft in zip(Gear, drive.face_loading.model.shafts, strict=True):
             least = 2.0 * drive.pitch.radius_range_mm(gear)[0]
             assert 0.6 * least < shaft.body_mm < least
-        assert 4.0 <= told.best_um <= 10.0
-        assert told.best < 0.85 * told.decisive.factor
+        assert 4.0 <= told.best_crowning_um <= 10.0
+        assert told.best_crowning_factor < 0.85 * told.decisive_factor
 
     def test_crowning_is_what_would_help(self) -> None:
         """With grade 10 flanks pit; the remedy is the best crowning, and its teeth hold."""

@@ -13,7 +13,7 @@ from at_once import at_once
 from drives import drive
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.advice import drivetrain_advice, given_advice, strength_advice
-from ncgear.figures.balance.turning import _gear
+from ncgear.figures.balance.parts import _gear
 from ncgear.figures.best_law import felt, flywheel_figures, limits_not_reached
 from ncgear.figures.explained import _meaning
 from ncgear.figures.flanks import hours_words, surfaces_rows, vibration_of_rating
@@ -27,6 +27,7 @@ from ncgear.figures.trains import judged_contacts
 from ncgear.numerics.extrema import Extremum
 from ncgear.pitch.shape import Gear
 from ncgear.project.mending import MendingSubject as MendKind
+from ncgear.solids.plan.body import RoundHole
 from ncgear.strength.holding import Damage, lives_of
 from strong import made_up, made_up_surfaces
 
@@ -57,7 +58,7 @@ def body(mass: float, unbalance: complex) -> Any:
 def test_a_gear_out_of_balance_pulls_with_the_square_of_its_speed(speed_rpm: float, worth: bool) -> None:
     """m e w^2 against ISO 21940-11: G is e w in mm/s; a slow gear's pull is nothing beside its weight."""
     speed = speed_rpm * pi / 30.0
-    holes = [Made(x_mm=3.0, y_mm=4.0, diameter_mm=5.0)]
+    holes = [RoundHole(3.0, 4.0, 5.0)]
     corrected = Made(body=body(1.9, 0.02 + 0.0j), holes=holes, boss=Made(height_mm=2.0, section=Made(area=7.0)))
     told = _gear(Made(speed_rad_s=speed, body=body(2.0, 3.0 + 4.0j), corrected=corrected), 16.0)
     assert told["peak_speed_rpm"] == pytest.approx(speed_rpm)
@@ -187,8 +188,8 @@ def test_words_about_rims_jams_and_bearing_along_the_face() -> None:
     )
     assert rim_words(one, Made(weakest=weakest[1:])) == ""
     known = Made(
-        least=Made(factor=1.1), greatest=Made(factor=1.6), decisive=Made(factor=1.5, tooth=7), by_shafts=1.2, best=1.3,
-        best_um=8.0,
+        factor_min=1.1, factor_max=1.6, decisive_factor=1.5, decisive_tooth=7, decisive_factor_by_shafts=1.2,
+        best_crowning_factor=1.3, best_crowning_um=8.0,
     )  # fmt: skip
     loaded = Made(face_loading=Made(constant=1.25, basis="assumed", why="no bearings are given", rigid_bearings=["a"]),
                   told_face_load_by=lambda method: known, design=Made(tolerances=None))  # fmt: skip
@@ -197,7 +198,7 @@ def test_words_about_rims_jams_and_bearing_along_the_face() -> None:
     assert "factor 1.1 to 1.6 by shafts" in words
     assert "1.5 at tooth 7" in words
     assert "crowning of 8 \u00b5m: 1.3; without static_rating_n, a counts as rigid" in words
-    known.best = 1.4999
+    known.best_crowning_factor = 1.4999
     assert "no other crowning is better" in face_load_words(loaded, rating)
     loaded.told_face_load_by = lambda method: None
     assert face_load_words(loaded, rating) == "factor 1.25, assumed since no bearings are given"
@@ -288,11 +289,12 @@ def test_meshes_and_room_of_a_train_are_judged_by_the_worst() -> None:
             allowed.append(most)
             return deepest > most
 
-        return Made(first=name, second="sun", deepest_mm=deepest, gap_mm=gap, deepest_at_rad=0.1, gap_at_rad=0.2,
+        return Made(first=name, second="sun", penetration_max_mm=deepest, gap_max_mm=gap,
+                    penetration_max_at_rad=0.1, gap_max_at_rad=0.2,
                     clashes=clashes, parts=lambda most: gap > most)  # fmt: skip
 
     def distance(least: float, name: str) -> Any:
-        return Made(first=name, second="bar", least_mm=least, at_rad=0.5)
+        return Made(first=name, second="bar", least_distance_mm=least, at_rad=0.5)
 
     train = Made(tolerance_mm=0.01)
     good = judged_contacts(train, [contact(0.001, 0.002, "a"), contact(0.004, 0.001, "b")], [distance(3.0, "c")])

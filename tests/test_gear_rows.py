@@ -115,8 +115,8 @@ def test_every_idler_meshes_with_both_of_its_mates(changes: tuple[tuple[str, str
     """By polygons over a cycle; concave curves and lobes of all kinds, too."""
     train = train_of(changes)
     for found in contacts_of(train, outlines_of(train)):
-        assert found.deepest_mm < train.tolerance_mm
-        assert found.gap_mm < 3.0 * train.tolerance_mm
+        assert found.penetration_max_mm < train.tolerance_mm
+        assert found.gap_max_mm < 3.0 * train.tolerance_mm
 
 
 def turned(train: Train, angle_rad: float) -> Train:
@@ -133,7 +133,7 @@ def turned(train: Train, angle_rad: float) -> Train:
 def test_a_gear_half_a_pitch_off_clashes() -> None:
     train = train_of()
     (found,) = contacts_of(turned(train, pi / 36.0), outlines_of(train))
-    assert found.deepest_mm > 0.1
+    assert found.penetration_max_mm > 0.1
 
 
 @pytest.mark.slow
@@ -141,9 +141,9 @@ def test_the_last_gear_turns_on_freely_by_the_play() -> None:
     """0.08 mm along the normal, which is at most 42 mm from the axis."""
     train = train_of()
     free, over = (contacts_of(turned(train, -angle), outlines_of(train))[0] for angle in (0.07 / 42.0, 0.11 / 30.0))
-    assert free.deepest_mm < train.tolerance_mm
-    assert free.gap_mm > 0.02
-    assert over.deepest_mm > train.tolerance_mm
+    assert free.penetration_max_mm < train.tolerance_mm
+    assert free.gap_max_mm > 0.02
+    assert over.penetration_max_mm > train.tolerance_mm
 
 
 def test_round_gears_are_a_plain_row() -> None:

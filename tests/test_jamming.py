@@ -20,9 +20,16 @@ from ncgear.figures.advice.teeth_advice import jams
 from ncgear.figures.advice.values import Advice, Kind, NotJudged
 from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
-from ncgear.project.jamming import backlash_needed, jamming_of
 from ncgear.project.tolerance import lot_of
-from ncgear.project.tolerance_limits import Process, left_of_backlash, limits_of, process_of, tolerances_of
+from ncgear.project.tolerance_limits import (
+    Process,
+    backlash_needed,
+    jamming_of,
+    left_of_backlash,
+    limits_of,
+    process_of,
+    tolerances_of,
+)
 from ncgear.tolerances.estimate import EstimatedBacklash, Teeth, enough, needed, plays_of
 from ncgear.tolerances.study import Workers, assemblies_of, drawn_evenly
 

@@ -291,7 +291,7 @@ def outlines_of(train: Train) -> dict[str, Array]:
 
 
 def worst(found: list[MeshContact]) -> tuple[float, float]:
-    return max(one.deepest_mm for one in found), max(one.gap_mm for one in found)
+    return max(one.penetration_max_mm for one in found), max(one.gap_max_mm for one in found)
 
 
 @pytest.mark.slow

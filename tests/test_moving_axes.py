@@ -149,8 +149,8 @@ def test_teeth_touch_and_do_not_overlap(changes: tuple[tuple[str, str], ...]) ->
     """By the polygons of both gears at many positions, and the distances that were asked for."""
     train = train_of(changes)
     (found,) = contacts_of(train, {part.name: part.outline_mm for part in train.parts})
-    assert found.deepest_mm < train.tolerance_mm
-    assert found.gap_mm < 3.0 * train.tolerance_mm
+    assert found.penetration_max_mm < train.tolerance_mm
+    assert found.gap_max_mm < 3.0 * train.tolerance_mm
     if not changes:
         poses = train.poses_at(np.arange(4) * pi / 2.0)
         assert poses.x_mm[1] == pytest.approx(GIVEN_MM, rel=1e-14)
@@ -174,7 +174,7 @@ def test_the_same_gears_at_a_fixed_distance_clash() -> None:
         return replace(poses, x_mm=np.stack([poses.x_mm[0], np.full(driving_rad.size, GIVEN_MM.mean())]))
 
     (found,) = contacts_of(replace(train, poses_at=poses_at), {part.name: part.outline_mm for part in train.parts})
-    assert found.deepest_mm > 1.0
+    assert found.penetration_max_mm > 1.0
 
 
 @pytest.mark.parametrize(("driving", "driven"), [(1, 1), (2, 3), (4, 2), (3, 6)])

@@ -434,7 +434,7 @@ def test_trials_are_shown_by_time_and_error_and_the_one_that_is_recommended(show
     """In ms; an error of nothing is shown as the least, and room is left around all and what is asked."""
     trials = tuple(TimedStage(setting, time, error, 9) for setting, time, error in
                    ((0.4, 0.002, 0.3), (0.2, 0.004, 0.01), (0.1, 0.009, 0.0)))  # fmt: skip
-    stage = BenchStage("teeth", "tolerance", "mm", "points", "error", "mm", "exact", 0.02, "key", 0.2, trials)
+    stage = BenchStage("teeth", "tolerance", "mm", "error", "mm", "exact", 0.02, "key", 0.2, trials)
     (axes,) = shown(stage_png, stage, "name").axes
     tried, asked, best = axes.lines
     assert list(tried.get_xdata()) == pytest.approx([2.0, 4.0, 9.0])

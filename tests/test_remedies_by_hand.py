@@ -383,12 +383,10 @@ def test_face_loads_are_told_of_the_teeth_that_bear_most() -> None:
         patch.setattr(face_load, "best_crowning_mm", lambda model, heavy, most: asked.append((heavy, most)) or 0.0083)
         told: Any = face_load.told_face_load(loading, contacts, 1.0, np.ones(3))
         assert face_load.told_face_load(Made(model=None), contacts, 1.0, np.ones(3)) is None
-    assert [sorted(vars(one).values()) for one in (told.least, told.greatest, told.decisive)] == [
-        [1.2, 4],
-        [1.5, 3],
-        [1.5, 3],
-    ]
+    assert (told.factor_min, told.factor_min_tooth) == (1.2, 4)
+    assert (told.factor_max, told.factor_max_tooth) == (told.decisive_factor, told.decisive_tooth) == (1.5, 3)
     assert asked[0][0].tolist() == [True, True, False]
-    assert (told.by_shafts, told.askew_um, told.crowning_um, told.best_um) == pytest.approx((1.1, 12.0, 2.0, 8.0))
+    others = told.decisive_factor_by_shafts, told.askew_um, told.crowning_um, told.best_crowning_um
+    assert others == pytest.approx((1.1, 12.0, 2.0, 8.0))
     # 1.3 times 90 N/mm over the 100 of the decisive tooth is more than 1.05.
-    assert told.best == pytest.approx(1.17)
+    assert told.best_crowning_factor == pytest.approx(1.17)

@@ -20,7 +20,7 @@ from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.advice.machine_advice import _of_unit
 from ncgear.metrology.as_measured import TIP_LAND_CURVE, is_metal
 from ncgear.optimum.makeable import law
-from ncgear.project import jamming
+from ncgear.project import tolerance_limits
 from ncgear.project.law_task import _of_undercut
 from ncgear.ratio.sampled_strokes import EVERYWHERE, edges_about
 from ncgear.screening.rows import _steeper_deg
@@ -69,15 +69,15 @@ def test_a_face_is_as_wide_as_a_usual_backlash_is_enough_for(given: float, width
     """A face of 40 mm that needs a 50th of its width: what modules of 2 mm may have, or what the file has, decides."""
     usual = 0.2 if width is not None else 1e-6
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(jamming, "MOST_BACKLASH", usual / 2.0)
-        patch.setattr(jamming, "SURELY", 1.0)
-        patch.setattr(jamming, "changed_drive", lambda whole, changes: changes["gears.face_width_mm"])
-        patch.setattr(jamming, "backlash_needed", lambda width: width / 50.0)
-        patch.setattr(jamming, "enough", lambda needed, share: needed)
-        patch.setattr(jamming, "_made_up", lambda needed: needed)
+        patch.setattr(tolerance_limits, "MOST_BACKLASH", usual / 2.0)
+        patch.setattr(tolerance_limits, "SURELY", 1.0)
+        patch.setattr(tolerance_limits, "changed_drive", lambda whole, changes: changes["gears.face_width_mm"])
+        patch.setattr(tolerance_limits, "backlash_needed", lambda width: width / 50.0)
+        patch.setattr(tolerance_limits, "enough", lambda needed, share: needed)
+        patch.setattr(tolerance_limits, "_made_up", lambda needed: needed)
         gears, pitch = Made(face_width_mm=40.0), Made(size=Made(module_mm=2.0))
         drive: Any = Made(gears=gears, pitch=pitch, helix=None, whole=None)
-        found = jamming._narrower(drive, "backlash_mm", given)
+        found = tolerance_limits._narrower(drive, "backlash_mm", given)
     if width is None:
         assert found == {}
     else:

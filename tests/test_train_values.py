@@ -241,9 +241,9 @@ def test_two_circles_come_apart_and_overlap_by_what_their_distance_says() -> Non
     """Axes at 39.5 + 0.8 cos of a cycle, radii 25 and 15: 0.3 mm apart at first, 1.3 mm deep half a cycle later."""
     parts = Part("one", circle(25.0), 5.0), Part("two", circle(15.0), 5.0)
     (found,) = contacts_of(round_train(39.5, 0.8, *parts), {one.name: one.outline_mm for one in parts})
-    assert (found.deepest_mm, found.gap_mm) == (pytest.approx(1.3, abs=0.02), pytest.approx(0.3, abs=0.02))
-    assert found.deepest_at_rad == pytest.approx(pi, abs=0.02)
-    assert cos(found.gap_at_rad) == pytest.approx(1.0, abs=2e-3)
+    assert (found.penetration_max_mm, found.gap_max_mm) == (pytest.approx(1.3, abs=0.02), pytest.approx(0.3, abs=0.02))
+    assert found.penetration_max_at_rad == pytest.approx(pi, abs=0.02)
+    assert cos(found.gap_max_at_rad) == pytest.approx(1.0, abs=2e-3)
     assert found.clashes(1.2)
     assert not found.clashes(1.4)
     assert found.parts(0.2)
@@ -255,7 +255,7 @@ def test_a_circle_in_a_ring_touches_where_the_axes_are_as_far_apart_as_the_radii
     parts = Part("one", circle(20.0), 5.0), Part("two", circle(30.0), 5.0, rim_mm=5.0)
     train = round_train(9.8, 0.5, *parts, kind=Mesh.INTERNAL)
     (found,) = contacts_of(train, {one.name: one.outline_mm for one in parts})
-    assert (found.deepest_mm, found.gap_mm) == (pytest.approx(0.3, abs=0.02), pytest.approx(0.7, abs=0.02))
+    assert (found.penetration_max_mm, found.gap_max_mm) == (pytest.approx(0.3, abs=0.02), pytest.approx(0.7, abs=0.02))
 
 
 def test_parts_that_share_heights_keep_their_distance() -> None:
@@ -274,12 +274,12 @@ def test_parts_that_share_heights_keep_their_distance() -> None:
         acos((44.7**2 + own**2 - other**2) / (2.0 * 44.7 * own)) for own, other in ((25.0, 20.0), (20.0, 25.0))
     )
     lens = sum(r**2 * (half - sin(half) * cos(half)) for r, half in ((25.0, first), (20.0, second)))
-    assert found["one", "wide"].least_mm == pytest.approx(-(lens**0.5), rel=0.02)
+    assert found["one", "wide"].least_distance_mm == pytest.approx(-(lens**0.5), rel=0.02)
     # An ellipse, whose narrow side is turned to the circle and which would touch it with its long one
     narrow = replace(parts[2], outline_mm=parts[2].outline_mm * [0.5, 1.0])
     near = round_train(44.5, 0.8, parts[0], narrow, kind=None)
     (one,) = distances_of(near, {part.name: part.outline_mm for part in (parts[0], narrow)})
-    assert one.least_mm == pytest.approx(44.5 - 0.8 - 25.0 - 10.0, abs=0.02)
+    assert one.least_distance_mm == pytest.approx(44.5 - 0.8 - 25.0 - 10.0, abs=0.02)
     assert one.at_rad == pytest.approx(pi, abs=0.02)
 
 

@@ -95,11 +95,11 @@ def test_planets_of_all_arms_touch_their_ring_and_a_wrong_phase_clashes() -> Non
     train = planetary(**RING, arms=4)
     found = contacts_of(train, outlines(train))
     assert len(found) == 4
-    assert max(one.deepest_mm for one in found) < 3.0 * train.tolerance_mm
-    assert max(one.gap_mm for one in found) < 3.0 * train.tolerance_mm
+    assert max(one.penetration_max_mm for one in found) < 3.0 * train.tolerance_mm
+    assert max(one.gap_max_mm for one in found) < 3.0 * train.tolerance_mm
     for pitches in (0.5, 1.0):
         turned = with_turned(train, "planet_1", 2.0 * np.pi / 18 * pitches)
-        assert contacts_of(turned, outlines(turned))[0].deepest_mm > 0.1
+        assert contacts_of(turned, outlines(turned))[0].penetration_max_mm > 0.1
 
 
 def elliptic(eccentricity: float, count: int = 360) -> tuple[float, ...]:
@@ -269,8 +269,8 @@ def test_all_meshes_of_all_arms_touch_and_none_overlaps(idler: str, arms: int, b
     train = planetary(idler=idler, arms=arms, sun_turns=-0.5, bend_deg=bend)
     found = contacts_of(train, outlines(train))
     assert len(found) == 2 * arms
-    assert max(one.deepest_mm for one in found) < 3.0 * train.tolerance_mm
-    assert max(one.gap_mm for one in found) < 3.0 * train.tolerance_mm
+    assert max(one.penetration_max_mm for one in found) < 3.0 * train.tolerance_mm
+    assert max(one.gap_max_mm for one in found) < 3.0 * train.tolerance_mm
 
 
 @pytest.mark.slow
@@ -280,7 +280,7 @@ def test_a_wrong_phase_clashes(idler: str) -> None:
     train = planetary(idler=idler)
     for pitches in (0.5, 1.0):
         turned = with_turned(train, "planet", 2.0 * np.pi / 18 * pitches)
-        assert contacts_of(turned, outlines(train))[1].deepest_mm > 0.1
+        assert contacts_of(turned, outlines(train))[1].penetration_max_mm > 0.1
 
 
 @pytest.mark.slow
@@ -296,16 +296,16 @@ def test_penetration_is_what_shapely_says_of_two_round_parts() -> None:
     apart = abs(sun - idler) - 40.0
     found = contacts_of(train, dict.fromkeys(outlines(train), ring))[0]
     assert apart < 0.0
-    assert found.deepest_mm == pytest.approx(-apart, abs=1e-2)
+    assert found.penetration_max_mm == pytest.approx(-apart, abs=1e-2)
     wider = contacts_of(train, dict.fromkeys(outlines(train), ring * 0.8))[0]
-    assert wider.gap_mm == pytest.approx(apart + 8.0, abs=1e-2)
+    assert wider.gap_max_mm == pytest.approx(apart + 8.0, abs=1e-2)
 
 
 @pytest.mark.slow
 def test_arms_that_meet_are_told() -> None:
     """Arms longer than the carrier cross where both planets swing to one side."""
     train = planetary(arms=2, arm_mm=150.0)
-    near = {(one.first, one.second): one.least_mm for one in distances_of(train, outlines(train))}
+    near = {(one.first, one.second): one.least_distance_mm for one in distances_of(train, outlines(train))}
     apart = near["arm_1", "arm_2"]
     lines = []
     for driving in np.linspace(0.0, 2.0 * np.pi, 721):

@@ -84,7 +84,9 @@ def test_no_warnings_is_said_only_where_all_was_judged(name: str) -> None:
             assert CONDITIONS[row.kind].name in verdict.not_judged
             assert row.why in verdict.not_judged
         assert len(verdict.table) == len(verdict.rows)
-        assert len(verdict.warnings) + len(verdict.remarks) == sum(len(row.advices) for row in verdict.rows)
+        assert [*map(len, (verdict.lines(matter=True), verdict.lines(matter=False)))] == [
+            sum(advice.matters is matters for advice in verdict.advices) for matters in (True, False)
+        ]
 
 
 @pytest.mark.slow
@@ -341,7 +343,7 @@ def test_points_beyond_the_stroke_are_a_remark() -> None:
     verdict = verdict_of(
         KnownParts.MOTION, resistance={"table": {"displacement_mm": places, "force_n": forces}}, gears=None
     )
-    (remark,) = verdict.remarks
+    (remark,) = (advice for advice in verdict.advices if not advice.matters)
     assert f"2 of 8 points of resistance.table lie beyond the stroke of {STROKE_MM:g} mm" in remark.what
     assert not verdict.warnings
 

@@ -22,12 +22,12 @@ NEGLIGIBLE = 1e-9
 
 @dataclass(frozen=True)
 class Excitation:
-    """One frequency: its source and kind; ``amplitude`` in m/s^2 is known for harmonics of the slider only."""
+    """One frequency: its source and kind; the amplitude is known for harmonics of the slider only."""
 
     source: str
     kind: str
     frequency_hz: float
-    amplitude: float | None = None
+    amplitude_m_s2: float | None = None
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class Margin:
     """An excitation and the natural frequency nearest to it by ratio; ``ratio`` is excitation / natural frequency."""
 
     excitation: Excitation
-    natural_hz: float
+    nearest_natural_hz: float
     ratio: float
     near: bool
 

@@ -46,13 +46,9 @@ EXCESS = ("#7a2a00", "#d5702a", "#c9ced4", "#3f8cc4", "#004a78")
 
 def style_of_colors() -> str:
     """The colours as custom properties of CSS, for light and for dark ground."""
-    light, dark = (_root(colors) for colors in (LIGHT, DARK))
+    lines = ("".join(f"  --{name}: {color};\n" for name, color in colors.items()) for colors in (LIGHT, DARK))
+    light, dark = (f":root {{\n  color-scheme: light dark;\n{one}}}\n" for one in lines)
     return f"{light}@media screen and (prefers-color-scheme: dark) {{\n{dark}}}\n"
-
-
-def _root(colors: Mapping[str, str]) -> str:
-    lines = "".join(f"  --{name}: {color};\n" for name, color in colors.items())
-    return f":root {{\n  color-scheme: light dark;\n{lines}}}\n"
 
 
 def with_fallbacks(css: str) -> str:

@@ -122,15 +122,13 @@ class ShaftStresses:
     """Stresses of the full section in MPa.
 
     ``bending_amplitude_mpa`` and ``bending_mean_mpa`` are the stresses of the fibre of least safety; torsion is the
-    same at all fibres.  The largest stresses belong to the largest bending moment and torque.
+    same at all fibres.
     """
 
     bending_amplitude_mpa: float
     bending_mean_mpa: float
     torsion_amplitude_mpa: float
     torsion_mean_mpa: float
-    bending_largest_mpa: float
-    torsion_largest_mpa: float
 
 
 @dataclass(frozen=True)
@@ -208,7 +206,7 @@ def shaft_safety(section: ShaftSection, shaft: BentShaft) -> ShaftSafety:
     sampled = used(fibres)
     worst = largest_from(used, fibres, sampled, KNOWN * sampled.max(axis=1))[0]
     amplitude, mean = (float(part[0]) for part in alternating(np.array([worst.at])))
-    stresses = ShaftStresses(amplitude, mean, torsion_amplitude, torsion_mean, *largest)
+    stresses = ShaftStresses(amplitude, mean, torsion_amplitude, torsion_mean)
     strained = sqrt(largest[0] ** 2 + 3.0 * largest[1] ** 2) / section.yield_mpa
     return ShaftSafety(section, stresses, _inverse(worst.value), _inverse(strained))
 

@@ -326,7 +326,7 @@ class FlywheelDisc:
     diameter_mm: float
     width_mm: float
     mass_kg: float
-    rim_m_s: float
+    rim_speed_m_s: float
 
 
 def disc(inertia_kg_mm2: float, diameter_mm: float, speed_rad_s: float) -> FlywheelDisc:

@@ -99,7 +99,6 @@ def _end_stops(drive: Drive) -> dict[str, Any]:
 
 
 def _pin(drive: Drive, gear: Gear) -> dict[str, float]:
-    """The pin in the slot of a gear; nothing where it has none."""
     bodies = {Gear.DRIVING: drive.gears.driving, Gear.DRIVEN: drive.gears.driven}
     asked, place = bodies[gear].end_stop, drive.solids.of(gear).plan.pin_mm
     if asked is None or place is None:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any
 
 from ncgear.figures.answers.answer import Answer, Fault, Row
 from ncgear.figures.csv_text import rows_text
 from ncgear.figures.numbers import fixed, micrometres, to_digits
-from ncgear.project.bench import BenchStage, TimedStage, dominating
+from ncgear.project.bench import BenchStage, dominating
 
 
 def bench_figures(stages: Sequence[BenchStage], name: str) -> dict[str, Any]:
@@ -22,7 +23,6 @@ def bench_figures(stages: Sequence[BenchStage], name: str) -> dict[str, Any]:
 
 
 def _stage_figures(stage: BenchStage) -> dict[str, Any]:
-    best = stage.recommended
     return {
         "varied": stage.varied,
         "varied_unit": stage.varied_unit,
@@ -33,13 +33,9 @@ def _stage_figures(stage: BenchStage) -> dict[str, Any]:
         "asked_by": stage.key or None,
         "used": stage.used,
         "order": stage.order,
-        "recommended": _trial_figures(best) if best else None,
-        "trials": [_trial_figures(trial) for trial in stage.trials],
+        "recommended": stage.recommended and asdict(stage.recommended),
+        "trials": list(map(asdict, stage.trials)),
     }
-
-
-def _trial_figures(trial: TimedStage) -> dict[str, Any]:
-    return {"setting": trial.setting, "time_s": trial.time_s, "error": trial.error, "size": trial.size}
 
 
 COLUMNS = ("stage", "varied", "setting", "size", "time_s", "error", "error_unit", "asked_error", "recommended")
@@ -75,11 +71,6 @@ def error_words(stage: BenchStage, error: float) -> str:
     return micrometres(error) if stage.unit == "mm" else f"{to_digits(100.0 * error, 2)} %"
 
 
-def time_words(time_s: float) -> str:
-    """A time in s or ms."""
-    return f"{to_digits(time_s, 3)} s" if time_s >= 1.0 else f"{to_digits(1e3 * time_s, 2)} ms"
-
-
 def bench_answer(stages: Sequence[BenchStage], name: str, then: str) -> Answer:
     """A row for each stage, what dominates, and the stages for which nothing tried was fine enough."""
     recommended = [(stage, stage.recommended) for stage in stages]
@@ -92,7 +83,7 @@ def bench_answer(stages: Sequence[BenchStage], name: str, then: str) -> Answer:
                 setting_words(stage, stage.used),
                 error_words(stage, trial.error),
                 error_words(stage, stage.asked),
-                time_words(trial.time_s),
+                f"{to_digits(trial.time_s, 3)} s" if trial.time_s >= 1.0 else f"{to_digits(1e3 * trial.time_s, 2)} ms",
                 f"{fixed(100.0 * trial.time_s / whole, 0)} %",
             ),
         )

@@ -158,11 +158,6 @@ def length_words(value_mm: float | None) -> str:
     return "-" if value_mm is None else micrometres(value_mm)
 
 
-def turned_words(one: ComparedGear) -> str:
-    """The angle of best fit in degrees."""
-    return f"{fixed(degrees(one.fit.pose.angle_rad), 4)} deg"
-
-
 MOST_TEETH = 5
 """Teeth that a fault names."""
 
@@ -172,7 +167,7 @@ def compared_answer(pair: ComparedPair, name: str, fit: FittedQuantities, then: 
     found = [gear_figures(one) for one in pair.gears]
     tolds = {
         "points on flanks": [f"{one['points_on_flanks']} of {one['points']}" for one in found],
-        "turned by": [turned_words(one) for one in pair.gears],
+        "turned by": [f"{fixed(degrees(one.fit.pose.angle_rad), 4)} deg" for one in pair.gears],
         "axis at": [
             f"{fixed(one['shift_x_mm'], 4)}, {fixed(one['shift_y_mm'], 4)} mm"
             for one in found
@@ -231,12 +226,8 @@ def _jams(pair: ComparedPair) -> list[Fault]:
         return []
     named = ", ".join(f"{driving}/{driven}" for driving, driven in jams[:MOST_TEETH])
     more = f" and {len(jams) - MOST_TEETH} more" if len(jams) > MOST_TEETH else ""
-    return [
-        Fault(
-            f"jams by {micrometres(pair.needed_backlash_mm)} at teeth {named}{more}",
-            (f"gears.backlash_mm: {to_digits(pair.needed_backlash_mm, 2)} more", "more backlash"),
-        )
-    ]
+    what = f"jams by {micrometres(pair.needed_backlash_mm)} at teeth {named}{more}"
+    return [Fault(what, (f"gears.backlash_mm: {to_digits(pair.needed_backlash_mm, 2)} more", "more backlash"))]
 
 
 def _missing(one: ComparedGear) -> list[Fault]:
@@ -248,7 +239,6 @@ def _missing(one: ComparedGear) -> list[Fault]:
 
 
 def _first(teeth: list[int]) -> str:
-    """The numbers of the first of some teeth."""
     return ", ".join(map(str, teeth[:MOST_TEETH])) + (" ..." if len(teeth) > MOST_TEETH else "")
 
 

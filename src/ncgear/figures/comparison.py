@@ -76,7 +76,6 @@ def _row(
 
 
 def _scaled(drive: Drive, published: Published) -> dict[str, Any]:
-    """Published figures at the operating speed."""
     found = published.at_speed(drive.design.operation.speed_rpm)
     power, pressing = found.peak_power_w, found.compression_speed_mm_s
     # A publication counts no masses of this machine

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 from collections.abc import Iterable, Sequence
 from io import StringIO
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from ncgear.numerics.units import N_M_PER_N_MM
 
 if TYPE_CHECKING:
     from ncgear.contact.pair import PairContact
+    from ncgear.dynamics.history import Slide
 
 OUTLINE_COLUMNS = ("x_mm", "y_mm")
 
@@ -43,23 +44,7 @@ def law_csv(motion: OutputMotion, output: Output) -> str:
     return csv_text(list(columns), list(columns.values()))
 
 
-class Moved(Protocol):
-    """Places, velocities and accelerations of an output, shape (n,) each."""
-
-    @property
-    def displacement(self) -> Array:
-        """Places in mm or rad."""
-
-    @property
-    def velocity(self) -> Array:
-        """Velocities in mm/s or rad/s."""
-
-    @property
-    def acceleration(self) -> Array:
-        """Accelerations in mm/s^2 or rad/s^2."""
-
-
-def motion_columns(motion: Moved, output: Output) -> dict[str, Array]:
+def motion_columns(motion: OutputMotion | Slide, output: Output) -> dict[str, Array]:
     """Places, velocities and accelerations by names that end in their units."""
     return {
         "displacement_rad" if output.angular else "displacement_mm": motion.displacement,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from math import degrees
 from typing import Any
 
@@ -63,13 +64,9 @@ def _shaft(found: ShaftResult) -> dict[str, Any]:
         told["largest_bending_moment_n_m"] = N_M_PER_N_MM * found.most_bent.moment_n_mm
         told["largest_bending_moment_along_shaft_mm"] = found.most_bent.at_mm
     if found.shaft is not None:
-        stresses = found.shaft.stresses
         told["estimate_of_shaft"] = {
             "diameter_mm": found.shaft.section.diameter_mm,
-            "bending_amplitude_mpa": stresses.bending_amplitude_mpa,
-            "bending_mean_mpa": stresses.bending_mean_mpa,
-            "torsion_amplitude_mpa": stresses.torsion_amplitude_mpa,
-            "torsion_mean_mpa": stresses.torsion_mean_mpa,
+            **asdict(found.shaft.stresses),
             "fatigue_safety": known(found.shaft.fatigue),
             "yield_safety": known(found.shaft.yielding),
         }
@@ -105,19 +102,11 @@ def _bearing(found: BearingLife) -> dict[str, Any]:
 
 
 def _flywheel(found: DrivetrainResult) -> dict[str, Any]:
-    disc = found.disc
-    told: dict[str, Any] = {
+    told = {
         "speed_fluctuation_wanted": found.wanted_fluctuation,
         "inertia_needed_on_driving_shaft_kg_m2": KG_M2 * found.flywheel_kg_mm2,
     }
-    if disc is not None:
-        told["disc"] = {
-            "diameter_mm": disc.diameter_mm,
-            "width_mm": disc.width_mm,
-            "mass_kg": disc.mass_kg,
-            "rim_speed_m_s": disc.rim_m_s,
-        }
-    return told
+    return told if found.disc is None else {**told, "disc": asdict(found.disc)}
 
 
 def _motor(found: MotorResult) -> dict[str, Any]:
@@ -195,7 +184,6 @@ def _pto(found: PowerTakeOffResult, demand: Demand) -> dict[str, Any]:
 
 
 def _spans_deg(found: Sequence[Excursion]) -> list[list[float]]:
-    """Driving angles at which the coupling lets go and catches again, or the whole rest of a cycle."""
     return [[degrees(one.start_rad), degrees(one.last_rad)] for one in found]
 
 

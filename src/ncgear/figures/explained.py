@@ -110,19 +110,16 @@ def _is_angle(alike: Sequence[ToldKey]) -> bool:
 
 
 def _above(key: ToldKey) -> str:
-    """The path of the group that a key is in."""
     return key.path.rpartition(".")[0]
 
 
 def _beside(keys: Sequence[ToldKey], alike: Sequence[ToldKey]) -> list[ToldKey]:
-    """The other keys of the same group and the same law."""
     above, law, names = _above(alike[0]), alike[0].law, {key.name for key in alike}
     within = [key for key in keys if _above(key) == above and key.law == law]
     return [] if alike[0].is_law_name else [key for key in within if key.name not in names]
 
 
 def _entry(name: str, text: str, column: int) -> str:
-    """A name and its text in a column."""
     first, *more = wrap(text, WIDTH - column, break_on_hyphens=False) or [""]
     return "\n".join([f"  {name:<{column - 3}} {first}".rstrip(), *(" " * column + line for line in more)])
 

@@ -28,7 +28,6 @@ REGIMES = {
 }
 """The words for a regime."""
 
-
 NOT_JUDGED = "not judged"
 ONLY_A_JAM = "not judged, because only a jam presses the flanks, a few times"
 
@@ -79,7 +78,6 @@ def surfaces_figures(found: Surfaces) -> dict[str, Any]:
 
 
 def _at(name: str, place: ContactValue) -> dict[str, Any]:
-    """The driving angle and the teeth of a figure."""
     return {
         f"{name}_at_rad": place.phi1_rad,
         "driving_tooth": place.driving_tooth,
@@ -121,17 +119,13 @@ def surfaces_rows(drive: Drive, found: Surfaces) -> list[tuple[str, str]]:
 
 
 def _film_words(drive: Drive, film: Film) -> str:
-    """The regime with the least film and its place, and the oil's temperature."""
     assumed = " assumed" if drive.design.strength.temperature_c is None else ""
-    least, oil = (
-        to_digits(film.thickness.value, 2),
-        f"{drive.conditions.lubrication} at {film.oil_c:g} \u00b0C{assumed}",
-    )
+    least = to_digits(film.thickness.value, 2)
+    oil = f"{drive.conditions.lubrication} at {film.oil_c:g} \u00b0C{assumed}"
     return f"{REGIMES[film.regime]}: {least} of the roughness at {angle_words(film.thickness)}, {oil}"
 
 
 def _scuffing_words(drive: Drive, film: Film, found: Surfaces) -> str:
-    """The safety against scuffing, with the hottest contact and what is known of the oil."""
     hottest = f"{fixed(film.hottest_c, 0)} \u00b0C at {angle_words(film.flash_k)}"
     if found.scuffing_c is None or found.scuffing_safety is None:
         return f"{hottest}; where oil fails between bronze and steel is not known"
@@ -173,24 +167,14 @@ def vibration_figures(told: ToldVibration | None) -> dict[str, Any]:
     """The dynamic factor, the resonance ratios of a turn, and the critical speeds."""
     if told is None:
         return {}
-    figures: dict[str, Any] = {
-        "dynamic_factor": told.factor,
-        "dynamic_factor_at_rad": told.phi1_rad,
-        "peak_tooth_force_vibrating_n": told.most_n,
-        "dynamic_factor_is": "given" if told.is_given else "computed",
-        "resonance_ratio_min": told.least,
-        "resonance_ratio_max": told.greatest,
-        "resonates_between_deg": [list(ends) for ends in told.resonates_deg],
-    }
-    if told.critical_rpm is not None:
-        figures |= dict(zip(("critical_speed_min_rpm", "critical_speed_max_rpm"), told.critical_rpm, strict=True))
-    return figures
+    critical = zip(("critical_speed_min_rpm", "critical_speed_max_rpm"), told.critical_rpm or (), strict=False)
+    return {key: value for key, value in vars(told).items() if key != "critical_rpm"} | dict(critical)
 
 
 def vibration_words(told: ToldVibration) -> str:
     """The dynamic factor where a pair bears most, the largest force with it, and the critical speeds."""
-    factor = f"K_V {to_digits(told.factor, 3)}{' as given' if told.is_given else ''}"
-    factor += f", up to {figure('force_n', told.most_n)} with it"
+    factor = f"K_V {to_digits(told.dynamic_factor, 3)}{' as given' if told.dynamic_factor_is == 'given' else ''}"
+    factor += f", up to {figure('force_n', told.peak_tooth_force_vibrating_n)} with it"
     if told.critical_rpm is None:
         return f"{factor}; nothing that moves has inertia"
     low, high = (to_digits(one, 2) for one in told.critical_rpm)
@@ -200,7 +184,7 @@ def vibration_words(told: ToldVibration) -> str:
 def stretches_words(told: ToldVibration) -> str:
     """``between phi1 = 20 and 55 deg``, for each stretch in which a mesh resonates."""
     return "between phi1 = " + ", ".join(
-        f"{fixed(low, 0)} and {fixed(high, 0)} deg" for low, high in told.resonates_deg
+        f"{fixed(low, 0)} and {fixed(high, 0)} deg" for low, high in told.resonates_between_deg
     )
 
 

@@ -83,7 +83,6 @@ def ledger_text(judgements: Sequence[Judgement], paths: Sequence[Path], kept: Se
 
 
 def _section(one: Judgement) -> str:
-    """A paper with the table of its figures, and the list of what is left out."""
     paper, table = one.paper, markdown(COLUMNS, map(_row, one.entries))
     return "\n".join([f"## {paper.title}", "", f"{paper.reference}.", "", *table, *_left_out(paper)])
 

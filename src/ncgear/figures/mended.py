@@ -93,16 +93,13 @@ def _words(kind: MendingSubject, alike: Sequence[MendingWay]) -> str:
         case MendingSubject.STEEPER | MendingSubject.STEEPEST:
             return f"a rack of {values('gears.rack.pressure_angle_deg')} deg"
         case MendingSubject.SHIFTED:
-            return f"profile shift {_shifts(alike)}"
+            driving = [way.changes.get("gears.profile_shift.driving") for way in alike]
+            shifts = dict.fromkeys("against undercut" if one is None else f"{one:g}" for one in driving)
+            return f"profile shift {listed(shifts)}"
         case MendingSubject.UNDERCUT:
             return "undercut allowed"
         case MendingSubject.FINER:
             return f"{values('gears.teeth')} teeth of a smaller module"
-
-
-def _shifts(alike: Sequence[MendingWay]) -> str:
-    driving = [way.changes.get("gears.profile_shift.driving") for way in alike]
-    return listed(dict.fromkeys("against undercut" if one is None else f"{one:g}" for one in driving))
 
 
 def mended_design(loaded: LoadedDesign, found: Mend) -> str:

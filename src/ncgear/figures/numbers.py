@@ -140,7 +140,9 @@ def _listed(items: list[Any], unit: str) -> str:
         # The file of the summary has the whole table; a terminal has no room for it.
         return str(len(items))
     texts = [
-        "..".join(shown(end, unit) for end in item) if _is_stretch(item) else shown(item, unit)
+        "..".join(shown(end, unit) for end in item)
+        if isinstance(item, list | tuple) and len(item) == 2
+        else shown(item, unit)
         for item in items[:LONG_LIST]
     ]
     left = len(items) - len(texts)
@@ -150,10 +152,6 @@ def _listed(items: list[Any], unit: str) -> str:
 def teeth_words(numbers: Sequence[int]) -> str:
     """``teeth 3-5, 8``."""
     return f"{'tooth' if len(numbers) == 1 else 'teeth'} {shown(sorted(numbers))}"
-
-
-def _is_stretch(item: Any) -> bool:
-    return isinstance(item, list | tuple) and len(item) == 2
 
 
 def _runs(numbers: list[int]) -> list[str]:

@@ -161,7 +161,6 @@ def fitted_answer(name: str, found: OutlineFit, then: str) -> Answer:
 def _strays(
     found: OutlineFit, away: Deviation, size_mm: float, bound_by: tuple[Subject, ...], about: str
 ) -> Iterator[Row]:
-    """How far a curve strays from its outline, and where and why if it does."""
     yield Row("deviation, r.m.s.", (_length(away.root_mean_square_mm, size_mm),))
     yield Row("deviation, greatest", (_length(away.greatest_mm, size_mm),))
     if away.greatest_mm > MET * size_mm:

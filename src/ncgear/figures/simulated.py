@@ -74,7 +74,6 @@ def _load_columns(linkage: Mechanism, loads: Loads) -> dict[str, Array]:
 
 
 def _components(name: str, force: Vector) -> dict[str, Array]:
-    """The components of a force at each angle, from its jets."""
     return {f"{name}_x_n": force.x.value, f"{name}_y_n": force.y.value}
 
 
@@ -92,7 +91,6 @@ def rigid_figures(drive: Drive) -> dict[str, Any]:
 
 
 def _about(drive: Drive, level: Level) -> dict[str, Any]:
-    """The sections that the figures of every level begin with: design, level and speed."""
     design = drive.design
     return {
         "design": {"name": design.name, "description": design.description, "level": level.value},
@@ -190,7 +188,6 @@ def quasi_static_figures(drive: Drive) -> dict[str, Any]:
 
 
 def _stiffness(drive: Drive) -> dict[str, float]:
-    """The least, the mean and the largest stiffness of the pairs of teeth that touch."""
     found = drive.stiffness_range
     return {
         **extreme("least_pair_stiffness", "n_per_mm", found.low),
@@ -212,7 +209,6 @@ def _band(peaks_with: Callable[[float], dict[str, float]]) -> dict[str, dict[str
 
 
 def _loaded_with(drive: Drive, factor: float) -> dict[str, float]:
-    """The peaks of the loaded teeth if all pairs were as many times as stiff."""
     peaks = drive.loaded_peaks_with(factor)
     return {
         "peak_tooth_force_n": peaks.tooth_force_n.value,
@@ -288,7 +284,6 @@ BAND_ACCURACY = 1e-5
 
 
 def _motion_with(drive: Drive, factor: float) -> dict[str, float]:
-    """The peaks of the motion if all pairs were as many times as stiff."""
     peaks = drive.peaks_of(drive.course_with(factor, BAND_ACCURACY))
     return {
         "peak_pushing_force_n": peaks.pushing_n.value,

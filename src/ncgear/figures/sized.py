@@ -21,12 +21,8 @@ from ncgear.strength.holding import Damage, worst
 SUFFIX = "-sized"
 
 
-def sized_rows(found: Sequence[Sized]) -> list[list[str]]:
-    """The texts of each: module, teeth, face width, centre distance, diameter, both safeties, the weakest tooth."""
-    return [_row(one) for one in found]
-
-
-def _row(one: Sized) -> list[str]:
+def sized_row(one: Sized) -> list[str]:
+    """The texts: module, teeth, face width, centre distance, diameter, both safeties, the weakest tooth."""
     size, weak = one.drive.pitch.size, worst(one.rating.weakest)
     least = [
         min((each.safety for each in one.rating.weakest if each.damage is damage), default=None) for damage in Damage

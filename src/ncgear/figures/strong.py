@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
 from math import degrees, inf, isfinite
 from typing import Any
 
@@ -231,22 +232,7 @@ def knock_words(knocks: Sequence[Knock] | None) -> str:
 def _face_load_figures(drive: Drive, rating: Rating) -> dict[str, Any]:
     """The load along the width, as far as it is computed; teeth have the numbers of the driving gear."""
     told = drive.told_face_load_by(rating.strength.method)
-    if told is None:
-        return {}
-    return {
-        "factor_min": told.least.factor,
-        "factor_min_tooth": told.least.tooth,
-        "factor_max": told.greatest.factor,
-        "factor_max_tooth": told.greatest.tooth,
-        "decisive_factor": told.decisive.factor,
-        "decisive_tooth": told.decisive.tooth,
-        "decisive_factor_by_shafts": told.by_shafts,
-        "askew_um": told.askew_um,
-        "crowning_um": told.crowning_um,
-        "best_crowning_um": told.best_um,
-        "best_crowning_factor": told.best,
-        "rigid_bearings": drive.face_loading.rigid_bearings,
-    }
+    return {**asdict(told), "rigid_bearings": drive.face_loading.rigid_bearings} if told is not None else {}
 
 
 ALIKE = 0.01
@@ -259,19 +245,18 @@ def face_load_words(drive: Drive, rating: Rating) -> str:
     if told is None:
         factor = f"factor {to_digits(loading.constant, 3)}"
         return f"{factor} as given" if loading.basis == "given" else f"{factor}, assumed since {loading.why}"
-    factors = (told.least.factor, told.greatest.factor, told.decisive.factor, told.by_shafts, told.best)
-    least, greatest, decisive, by_shafts, best = (to_digits(one, 3) for one in factors)
+    names = "factor_min", "factor_max", "decisive_factor", "decisive_factor_by_shafts", "best_crowning_factor"
+    least, greatest, decisive, by_shafts, best = (to_digits(getattr(told, name), 3) for name in names)
     grade = "" if drive.design.tolerances else f", grade {GRADE} assumed"
-    is_best = told.best > (1.0 - ALIKE) * told.decisive.factor
-    better = "no other crowning is better" if is_best else f"crowning of {told.best_um:g} \u00b5m: {best}"
+    is_best = told.best_crowning_factor > (1.0 - ALIKE) * told.decisive_factor
+    better = "no other crowning is better" if is_best else f"crowning of {told.best_crowning_um:g} \u00b5m: {best}"
     return (
         f"factor {least} to {greatest} by shafts, bearings and lead{grade}; {decisive} at tooth "
-        f"{told.decisive.tooth}, which bears most, {by_shafts} if no flank were askew; {better}{_rigid_words(loading)}"
+        f"{told.decisive_tooth}, which bears most, {by_shafts} if no flank were askew; {better}{_rigid_words(loading)}"
     )
 
 
 def _rigid_words(loading: FaceLoading) -> str:
-    """Which bearings count as rigid, for want of a rating."""
     names, count = loading.rigid_bearings, "counts" if len(loading.rigid_bearings) == 1 else "count"
     return f"; without static_rating_n, {listed(names, 'and')} {count} as rigid" if names else ""
 

@@ -14,15 +14,10 @@ from ncgear.figures.quantities import name_of, told
 from ncgear.screening.designs import Designs
 from ncgear.screening.overview import Overview, rank_correlations
 from ncgear.screening.rows import WITH_MASSES
-from ncgear.screening.wanted import Constraint, Objective, Wanted
+from ncgear.screening.wanted import Constraint, Wanted
 
 REFUSALS = 5
 """Problems that are told, the most frequent first."""
-
-
-def title_of(objective: Objective) -> str:
-    """``least peak power``."""
-    return f"{'greatest' if objective.greatest else 'least'} {_brief(objective.name)}"
 
 
 def head_of(name: str) -> str:
@@ -99,7 +94,11 @@ def sweep_figures(name: str, screened: Overview, deeper: Overview | None, stage:
         **({} if deeper is None else {"deeper": _counts(deeper)}),
         "pareto_set_designs": 0 if front is None else len(front.numbers),
         "best": {
-            objective.name: [_design(best, row) for row in range(len(best.numbers))]
+            objective.name: [
+                {"number": int(best.numbers[row]), **values_of(best, row)}
+                | {name: known(values[row]) for name, values in best.figures.items()}
+                for row in range(len(best.numbers))
+            ]
             for objective, best in zip(wanted.objectives, last.best, strict=False)
         },
         "effects": _effect_figures(last) if last.kept > 1 else {},
@@ -113,11 +112,6 @@ def _counts(overview: Overview) -> dict[str, Any]:
         for one in overview.frequent_refusals
     ]
     return {"designs": overview.count, "made": overview.made, "kept": overview.kept, "refused": refused}
-
-
-def _design(designs: Designs, row: int) -> dict[str, Any]:
-    figures = {name: known(values[row]) for name, values in designs.figures.items()}
-    return {"number": int(designs.numbers[row]), **values_of(designs, row), **figures}
 
 
 def _effect_figures(overview: Overview) -> dict[str, Any]:
@@ -174,7 +168,7 @@ def swept_answer(screened: Overview, deeper: Overview | None, stage: str, then: 
     head, *more = counts_of(screened, deeper, stage)
     heads = [key.rpartition(".")[2] for key in last.space.keys] + [head_of(one.name) for one in last.wanted.objectives]
     rows = [
-        Row(title_of(objective) if place == 0 else "", tuple(cells))
+        Row("" if place else f"{'greatest' if objective.greatest else 'least'} {_brief(objective.name)}", tuple(cells))
         for objective, best in zip(last.wanted.objectives, last.best, strict=False)
         for place, cells in enumerate(cells_of(best, last.wanted)[:BEST])
     ]

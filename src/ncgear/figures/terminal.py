@@ -46,26 +46,15 @@ LEAST_WIDTH = 8
 """A comparison's first column is at most NAME_WIDTH wide, and each other one at least LEAST_WIDTH."""
 
 
-def _judged(figures: Mapping[str, Any]) -> list[list[str]]:
-    """The warnings, the remarks and the verdict that figures hold; empty blocks where there are none."""
-    return [
-        _marked("warning: ", figures.get("warnings") or []),
-        _marked("remark: ", figures.get("remarks") or []),
-        verdict_lines(figures.get("verdict") or []),
-    ]
-
-
 def verdict_lines(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """Every condition of a verdict, and what was found of it."""
-    if not rows:
-        return []
-    lines = []
+    lines = ["Verdict"] if rows else []
     for row in rows:
         of = "" if row["stage"] is None else f"stage {row['stage']}: "
         because = f": {row['because']}" if row["because"] else ""
         remark = f"; remark: {row['remark']}" if row["remark"] else ""
         lines.append(f"  {row['verdict']:10}  {of}{row['says']}{because}{remark}")
-    return ["Verdict", *lines]
+    return lines
 
 
 def labelled(section: Mapping[str, Any]) -> list[tuple[str, str]]:
@@ -108,7 +97,6 @@ def value_lines(label: str, value: str, width: int) -> list[str]:
 
 
 def _marked(start: str, sentences: Sequence[str]) -> list[str]:
-    """Lines of sentences that begin with what they are."""
     return [
         line
         for sentence in sentences
@@ -158,9 +146,8 @@ def written_lines(paths: Sequence[Path], kept: Sequence[Path] = ()) -> list[str]
 
 def kept_lines(kept: Sequence[Path]) -> list[str]:
     """The new names of files that were not as ncgear had written them."""
-    if not kept:
-        return []
-    return ["Kept under a new name, because they were not as ncgear had written them", *(f"{INDENT}{p}" for p in kept)]
+    head = ["Kept under a new name, because they were not as ncgear had written them"] if kept else []
+    return [*head, *(f"{INDENT}{path}" for path in kept)]
 
 
 Figures = Mapping[str, Any]
@@ -180,11 +167,12 @@ def figures_text(figures: Figures) -> str:
     found = {key: value for key, value in figures.items() if key not in ELSEWHERE and value != []}
     groups = [[f"{head[:1].upper()}{head[1:]}", *lines] for head, *lines in _groups(found)]
     compared = comparison_lines(figures.get("comparison") or [])
-    return _text([_plain_lines("", found), *groups, *compared, *_judged(figures)])
+    warnings, remarks, verdict = (figures.get(key) or [] for key in JUDGED)
+    judged = _marked("warning: ", warnings), _marked("remark: ", remarks), verdict_lines(verdict)
+    return _text([_plain_lines("", found), *groups, *compared, *judged])
 
 
 def _text(blocks: Sequence[Sequence[str]]) -> str:
-    """Blocks of lines with an empty line between them; empty ones are left out."""
     return "\n\n".join("\n".join(block) for block in blocks if block)
 
 
@@ -264,5 +252,4 @@ def _with_room(cells: Sequence[Sequence[str]], left: int = 0) -> list[str]:
 
 
 def _turned(cells: Sequence[Sequence[str]]) -> list[list[str]]:
-    """Rows as columns."""
     return [list(row) for row in zip(*cells, strict=True)]

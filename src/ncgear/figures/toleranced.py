@@ -14,7 +14,7 @@ from ncgear.figures.answers.answer import COLUMNS, Answer, Fault, Row
 from ncgear.figures.csv_text import csv_text
 from ncgear.figures.data_sheet.entries import assumed_words, limit_words
 from ncgear.figures.numbers import fixed, to_digits
-from ncgear.figures.quantities import figure, name_of
+from ncgear.figures.quantities import STATISTICS, figure, name_of
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.project.tolerance import Tolerated
@@ -22,7 +22,7 @@ from ncgear.project.tolerance_limits import MOST_JAMMED, TURNING
 from ncgear.tolerances.assemblies import Assemblies, PairAssemblies
 from ncgear.tolerances.drawn import DeviationSource
 from ncgear.tolerances.iso1328 import rounded_um
-from ncgear.tolerances.study import PairStudy, Share
+from ncgear.tolerances.study import PairStudy, Share, enough_samples
 
 OF_GEAR = {"eccentricity": "bore off", "tilt": "bore tilted", "index": "keyway"}
 SOURCES = {
@@ -82,16 +82,13 @@ def pair_figures(found: PairAssemblies, of: PairStudy, *, loaded: bool) -> dict[
     return _of_flanks(found, of.knock is not None and loaded)
 
 
-def worst_is_least(key: str) -> bool:
-    """Whether little of a figure is bad."""
-    return key in ("least_play_mm", "contact_ratio_min")
+WORST_IS_LEAST = "least_play_mm", "contact_ratio_min"
+"""Figures of which little is bad."""
 
 
 def percentiles(tolerated: Tolerated) -> dict[str, dict[str, float]]:
     """Each figure of the machine as designed, its median, and what 99 of 100 assemblies keep, on the bad side."""
-    return _percentiles(
-        assemblies_figures(tolerated.assemblies, tolerated), assemblies_figures(tolerated.nominal, tolerated)
-    )
+    return _percentiles(*(assemblies_figures(one, tolerated) for one in (tolerated.assemblies, tolerated.nominal)))
 
 
 def pair_percentiles(tolerated: Tolerated) -> list[dict[str, dict[str, float]]]:
@@ -108,7 +105,7 @@ def _percentiles(told: Mapping[str, Array], nominal: Mapping[str, Array]) -> dic
         key: {
             "as_designed": float(nominal[key][0]),
             "median": float(np.median(values)),
-            "of_99_percent": float(np.percentile(values, PERCENT_LOW if worst_is_least(key) else PERCENT_HIGH)),
+            "of_99_percent": float(np.percentile(values, PERCENT_LOW if key in WORST_IS_LEAST else PERCENT_HIGH)),
             "least": float(values.min()),
             "largest": float(values.max()),
         }
@@ -124,7 +121,6 @@ def share_words(share: Share) -> str:
 
 MOST_OFF = 0.1
 """From this error on the linear model is a warning; the error is a share of the displacement of the flanks."""
-
 
 NOT_JUDGED = "Not judged: all but assembly, knocking and the linear model (ncgear build)"
 """What the answer leaves to the verdict on the machine."""
@@ -185,14 +181,13 @@ def tolerance_json(tolerated: Tolerated) -> dict[str, Any]:
         "jam": vars(tolerated.jam),
         "knock": _knock(pair) if single else None if tolerated.knock is None else vars(tolerated.knock),
         "loads_known": tolerated.loaded,
-        "backlash_needed": None
-        if needed is None
-        else {
+        "backlash_needed": needed
+        and {
             "share": TURNING,
             "key": f"gears.{needed.key}",
             "value": needed.value,
             "given": needed.given,
-            "jam_with_it": None if needed.jammed is None else vars(needed.jammed),
+            "jam_with_it": needed.jammed and vars(needed.jammed),
             "refused": needed.refused,
         },
         "indices": {
@@ -310,7 +305,7 @@ def needed_words(tolerated: Tolerated) -> str:
     """The backlash that is needed, and what fresh assemblies with it say."""
     needed = tolerated.needed
     if needed is None:
-        return f"not told of so few; --samples {_power_of_two(tolerated.too_few)} or more is right"
+        return f"not told of so few; --samples {_power_of_two(enough_samples(TURNING))} or more is right"
     words = f"99.9 % turn with {needed.value:g} ({needed.given:g} given)"
     if len(tolerated.pairs) > 1:
         parts = zip(tolerated.pairs, needed.of_pairs, strict=True)
@@ -324,11 +319,9 @@ def _power_of_two(count: int) -> int:
     return 1 << (count - 1).bit_length()
 
 
-HEADS = "as designed", "median", "99 % keep"
 SHOWN = "as_designed", "median", "of_99_percent"
 
 ASSUMED = "Assumed, as the file has no section tolerances: "
-
 
 ROOM = COLUMNS - 30
 """Characters of a line that names, "varies with" and what is between them leave to what a figure varies with."""
@@ -373,22 +366,19 @@ def tolerance_answer(tolerated: Tolerated) -> Answer:
         Row("between", (between,)),
     ]
     limits = f"{assumed_words(tolerated.process)}{', '.join(limit_words(tolerated.tolerances))}"
+    jamming = round(tolerated.jam.value * tolerated.assemblies.count)
+    turning = f"all but {jamming}" if jamming else "all"
     return Answer(
         f"{tolerated.drive.design.name}: {tolerated.assemblies.count} assemblies within their tolerances",
         (*columns, *rows),
         tuple(Fault(one.broken, one.cures) for one in judged_assemblies(tolerated) if one.broken),
         about=f"Tolerances: {limits}" if tolerated.process is None else "",
         notes=() if tolerated.process is None else (f"{ASSUMED}{limits}",),
-        heads=HEADS,
-        good=f"No warnings of what was judged: {_turning(tolerated)} of the assemblies turn, and none knocks.",
+        heads=tuple(STATISTICS[key] for key in SHOWN),
+        good=f"No warnings of what was judged: {turning} of the assemblies turn, and none knocks.",
         not_judged=NOT_JUDGED,
         then="tolerance.json has every figure, assemblies.csv every assembly",
     )
-
-
-def _turning(tolerated: Tolerated) -> str:
-    jamming = round(tolerated.jam.value * tolerated.assemblies.count)
-    return f"all but {jamming}" if jamming else "all"
 
 
 def _shown_row(of: str, key: str, values: Mapping[str, float]) -> Row:

@@ -54,23 +54,7 @@ def _row(one: TrainCondition) -> dict[str, Any]:
 
 def contact_figures(contacts: Sequence[MeshContact], distances: Sequence[Distance]) -> dict[str, Any]:
     """The meshes and the room between other parts as written, by polygons."""
-    return {
-        "meshes": [
-            {
-                "first": one.first,
-                "second": one.second,
-                "penetration_max_mm": one.deepest_mm,
-                "penetration_max_at_rad": one.deepest_at_rad,
-                "gap_max_mm": one.gap_mm,
-                "gap_max_at_rad": one.gap_at_rad,
-            }
-            for one in contacts
-        ],
-        "room": [
-            {"first": one.first, "second": one.second, "least_distance_mm": one.least_mm, "at_rad": one.at_rad}
-            for one in distances
-        ],
-    }
+    return {"meshes": list(map(vars, contacts)), "room": list(map(vars, distances))}
 
 
 def judged_contacts(
@@ -80,20 +64,19 @@ def judged_contacts(
     allowed = ALLOWED_TOLERANCES * train.tolerance_mm
     clashing = [one for one in contacts if one.clashes(allowed)]
     parted = [one for one in contacts if one.parts(allowed)]
-    touching = [one for one in distances if one.least_mm <= 0.0]
+    touching = [one for one in distances if one.least_distance_mm <= 0.0]
     deepest, widest = worst(contacts)
     met = f"teeth overlap by {micrometres(deepest)} and part by {micrometres(widest)} at most"
     said = [
-        *(_meets(one, "overlap by", one.deepest_mm, one.deepest_at_rad) for one in clashing),
-        *(_meets(one, "part by", one.gap_mm, one.gap_at_rad) for one in parted),
+        *(_meets(one, "overlap by", one.penetration_max_mm, one.penetration_max_at_rad) for one in clashing),
+        *(_meets(one, "part by", one.gap_max_mm, one.gap_max_at_rad) for one in parted),
     ]
     room = [f"{one.first} and {one.second} meet at {in_words(one.at_rad)}" for one in touching]
-    least = min(distances, key=lambda one: one.least_mm, default=None)
+    least = min(distances, key=lambda one: one.least_distance_mm, default=None)
     passing = "no parts at one height come near to each other"
     if least is not None:
-        passing = (
-            f"{least.first} and {least.second} pass at {to_digits(least.least_mm, 3)} mm, all others farther apart"
-        )
+        near = f"{least.first} and {least.second} pass at {to_digits(least.least_distance_mm, 3)} mm"
+        passing = f"{near}, all others farther apart"
     return (
         TrainCondition("meshes", not said, "; ".join(said) or met),
         TrainCondition("room", not room, "; ".join(room) or passing),

@@ -229,14 +229,11 @@ def _patterns(folder: Path) -> dict[str, list[str]]:
     kinds = {path.relative_to(folder): _kind(path) for path in islice(_yaml_files(folder), MOST_FILES)}
     found: dict[str | None, dict[str, None]] = {name: {} for name in (*SCHEMAS, None)}
     for path, kind in kinds.items():
-        alone = (place for place in reversed(path.parents) if _all_below(kinds, place) == {kind})
+        places = reversed(path.parents)
+        alone = (place for place in places if {kinds[one] for one in kinds if one.is_relative_to(place)} == {kind})
         place = next(alone, None)
         found[kind][path.as_posix() if place is None else (place / ANY).as_posix()] = None
     return {name: list(found[name]) for name in SCHEMAS if found[name]}
-
-
-def _all_below(kinds: dict[Path, str | None], place: Path) -> set[str | None]:
-    return {kind for path, kind in kinds.items() if path.is_relative_to(place)}
 
 
 def _yaml_files(folder: Path) -> Iterator[Path]:

@@ -10,8 +10,7 @@ from functools import cached_property
 from math import radians
 from typing import TYPE_CHECKING
 
-from ncgear.balance.excitation import Engine, Shaft
-from ncgear.balance.frame import Chassis, Mounted
+from ncgear.balance.frame import Mounted
 from ncgear.balance.gears import BossSize, Drills, Means
 from ncgear.balance.mechanism import Carrier, Counterweight, DrivenCrank, JointMasses, joint_masses
 from ncgear.balance.rotor import ChainPhases, TrialRun, WeightRun
@@ -106,23 +105,23 @@ class Balancing(Shown):
 
         asked = self.balance.gears
         assert asked is not None
-        correction = asked.driving if gear == "driving" else asked.driven
+        correction, density = asked.driving if gear == "driving" else asked.driven, asked.density_kg_m3
+        if drive.helix is not None and correction is not None:
+            raise WrongInput("helical gears are not corrected; leave it out", key=f"gears.{gear}")
+        solid = getattr(drive.solids, gear)
         if drive.helix is not None:
-            if correction is not None:
-                raise WrongInput("helical gears are not corrected; leave it out", key=f"gears.{gear}")
-            return BalancedGear(
-                mesh_body(getattr(drive.solids, gear).triangles, asked.density_kg_m3), speed_rad_s, None
-            )
-        solid, width, density = getattr(drive.solids, gear), drive.gears.face_width_mm, asked.density_kg_m3
-        plan = solid.plan
+            return BalancedGear(mesh_body(solid.triangles, density), speed_rad_s, None)
+        plan, width = solid.plan, drive.gears.face_width_mm
         body = plate_body(plan.section, width, density) if plan.is_plate else mesh_body(solid.triangles, density)
         if correction is None:
             return BalancedGear(body, speed_rad_s, None)
         if not plan.is_plate:
             problem = "gears with a hub, a web or a chamfer are not corrected; leave it out, or those"
             raise WrongInput(problem, key=f"gears.{gear}")
-        tolerance = drive.chord_tolerance_mm
-        made = corrected(plan.section, width, density, means_of(correction), tolerance, f"gears.{gear}")
+        holes, boss, tolerance = correction.holes, correction.boss, drive.chord_tolerance_mm
+        drills = Drills(holes.largest_mm, holes.smallest_mm, holes.wall_mm) if holes else None
+        means = Means(drills, BossSize(boss.height_mm, boss.wall_mm) if boss else None)
+        made = corrected(plan.section, width, density, means, tolerance, f"gears.{gear}")
         return BalancedGear(body, speed_rad_s, made)
 
 
@@ -138,28 +137,6 @@ def joint_masses_of(given: keys.Partial, mechanism: DrivenCrank) -> JointMasses:
 def crank_counterweight(given: keys.Sweep) -> Counterweight:
     """The counterweight to try, without its mass."""
     return Counterweight(Carrier.CRANK, 0.0, given.arm_mm, radians(given.angle_deg))
-
-
-def chassis_of(given: keys.Chassis) -> Chassis:
-    """The levers of a chassis."""
-    return Chassis(given.support_mm, given.counterweight_mm, radians(given.tilt_deg))
-
-
-def shafts_of(given: keys.Excitations) -> list[Shaft]:
-    """Shafts that may shake the machine."""
-    return [Shaft(one.name, one.speed_rpm, one.rollers, one.teeth, one.roller_ratio) for one in given.shafts]
-
-
-def engines_of(given: keys.Excitations) -> list[Engine]:
-    """Engines that may shake the machine."""
-    return [Engine(one.name, one.speed_rpm, one.cylinders, one.strokes, one.inertia_order) for one in given.engines]
-
-
-def means_of(given: keys.Correction) -> Means:
-    """The means by which a gear may be corrected: drilled holes and a boss."""
-    holes, boss = given.holes, given.boss
-    drills = Drills(holes.largest_mm, holes.smallest_mm, holes.wall_mm) if holes else None
-    return Means(drills, BossSize(boss.height_mm, boss.wall_mm) if boss else None)
 
 
 def readings_of(given: keys.Readings | None) -> tuple[complex, ...]:

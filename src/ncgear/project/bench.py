@@ -48,8 +48,7 @@ MOST_FINER = 4
 """Most finer settings that are tried where none of the first settings is fine enough."""
 
 LEAST_IN_MODULES = 3e-6
-"""The least chord tolerance that is tried: finer chords are more points than an outline may have.
-"""
+"""The least chord tolerance that is tried: finer chords are more points than an outline may have."""
 
 
 @dataclass(frozen=True)
@@ -66,15 +65,13 @@ class TimedStage:
 class BenchStage:
     """One stage at several settings, from coarse to fine.
 
-    ``varied`` names the setting, ``counted`` the unit of its size; ``error_of`` and ``unit`` name the error,
-    ``reference`` the reference value.  ``asked`` is the error that the file asks for, ``key`` its key or empty, and
-    ``used`` the setting of a build.
+    ``varied`` names the setting; ``error_of`` and ``unit`` name the error, ``reference`` the reference value.
+    ``asked`` is the error that the file asks for, ``key`` its key or empty, and ``used`` the setting of a build.
     """
 
     name: str
     varied: str
     varied_unit: str
-    counted: str
     error_of: str
     unit: str
     reference: str
@@ -181,7 +178,6 @@ def _twice(setting: float) -> float:
 
 
 def _motion(drive: Drive) -> BenchStage:
-    """The peak acceleration among samples, beside the peak between zeros of its derivative."""
     machine, exact = drive.machine, drive.check.peak_acceleration_cycle.value
     cycle = drive.transmission.cycle_rad
 
@@ -196,7 +192,6 @@ def _motion(drive: Drive) -> BenchStage:
         "motion",
         "rows a cycle",
         "",
-        "rows",
         "peak acceleration among the rows",
         "of the peak",
         "the exact peak, from zeros of the derivative in closed form",
@@ -208,7 +203,6 @@ def _motion(drive: Drive) -> BenchStage:
 
 
 def _pitch_curves(drive: Drive) -> BenchStage:
-    """The length of the driving pitch curve by chords, beside its length by quadrature."""
     pitch, asked = drive.pitch, drive.chord_tolerance_mm
     length = pitch.driving.length_mm
 
@@ -225,7 +219,6 @@ def _pitch_curves(drive: Drive) -> BenchStage:
         "pitch curves",
         "points",
         "",
-        "points",
         "length of the driving pitch curve by chords",
         "mm",
         "the length by Gauss-Legendre quadrature, piece by piece",
@@ -241,15 +234,6 @@ def _tolerances(drive: Drive) -> list[float]:
     return [asked * times for times in (16.0, 8.0, 4.0, 2.0, 1.0)]
 
 
-def _finer_tolerance(drive: Drive, tolerance: float) -> float | None:
-    return tolerance / 2.0 if tolerance / 2.0 >= LEAST_IN_MODULES * drive.pitch.size.module_mm else None
-
-
-def _toothed(drive: Drive, tolerance_mm: float) -> ToothedPair:
-
-    return drive.toothed(tolerance_mm)
-
-
 def _teeth(drive: Drive) -> BenchStage:
     """The outlines by chord tolerance, beside points of the exact curves between all chords."""
     from ncgear.metrology.chord_error import exact_points, farthest_mm
@@ -261,19 +245,18 @@ def _teeth(drive: Drive) -> BenchStage:
         found = [farthest_mm(exact[gear], teeth.of(gear).outline_mm) for gear in Gear]
         return max(found), sum(len(teeth.of(gear).outline_mm) for gear in Gear)
 
-    compute = partial(_toothed, drive)
+    least_mm = LEAST_IN_MODULES * drive.pitch.size.module_mm
     return BenchStage(
         "teeth",
         "tolerance",
         "mm",
-        "points",
         "farthest exact point from both outlines",
         "mm",
         "points of the exact flanks, fillets and lands, beside all places that chords go by",
         asked,
         "output.chord_tolerance_mm",
         asked,
-        _tried(_tolerances(drive), partial(_finer_tolerance, drive), compute, judge, asked),
+        _tried(_tolerances(drive), lambda mm: mm / 2.0 if mm / 2.0 >= least_mm else None, drive.toothed, judge, asked),
     )
 
 
@@ -309,7 +292,6 @@ def _contact(drive: Drive) -> BenchStage:
         "contact",
         "positions a tooth",
         "",
-        "positions",
         "transmission error and least play of the outlines among the positions, at the largest driven pitch radius",
         "mm",
         "the extremes searched between positions",
@@ -336,7 +318,7 @@ def _solids(drive: Drive) -> BenchStage:
 
     exact = {gear: exact_points(drive.teeth.of(gear)) for gear in Gear}
     reference_mm = max(asked / FINER_SOLIDS, LEAST_IN_MODULES * pitch.size.module_mm)
-    teeth = {tolerance: _toothed(drive, tolerance) for tolerance in (*_tolerances(drive), reference_mm)}
+    teeth = {tolerance: drive.toothed(tolerance) for tolerance in (*_tolerances(drive), reference_mm)}
     finest = compute(reference_mm, teeth[reference_mm])
     length = {
         gear: float(np.linalg.norm(np.diff(teeth[reference_mm].of(gear).outline_mm, axis=0), axis=1).sum())
@@ -355,7 +337,6 @@ def _solids(drive: Drive) -> BenchStage:
         "solids",
         "tolerance",
         "mm",
-        "triangles",
         "section halfway up, and volume as the mean distance of the tooth faces",
         "mm",
         f"points of the exact curves, and meshes of a tolerance of {reference_mm:g} mm",
@@ -407,7 +388,6 @@ def _elements(drive: Drive) -> BenchStage:
         "elements",
         "parts a side",
         "",
-        "elements",
         "largest root stress of each tooth of the driving gear",
         "of the stress",
         f"{REFERENCE_PARTS} parts of each side",

@@ -13,8 +13,8 @@ from ncgear.design.words import listed
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput, located
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
-from ncgear.project.computed import computed, computed_by
 from ncgear.project.geared import Geared
+from ncgear.project.moving import computed, computed_by
 
 if TYPE_CHECKING:
     from ncgear.contact.designed.as_designed import AsDesigned
@@ -220,10 +220,10 @@ class Drive(Geared):
         if self.design.drivetrain is None:
             raise WrongInput("missing; it tells bearings, shafts, motor and more around the gears", key="drivetrain")
         self.require_pairs(1)
-        rigid, knocking, jam = self.rigid, self.knocking, self.jam
+        _ = self.rigid, self.knocking, self.jam
         touching = None if self.helix else TouchingTeeth(self.teeth, self.pitch, self.designed_contact)
         with self.stopwatch("drivetrain"):
-            return drivetrain_of(self.design, rigid, touching, knocking, jam)
+            return drivetrain_of(self, touching)
 
     @computed
     def jam(self) -> Jam | None:
@@ -250,13 +250,10 @@ class Drive(Geared):
         """The loaded machine with the knocks of its teeth; None without knocks, and for two pairs in series."""
         from ncgear.dynamics.knocking import KnockingMachine
 
-        if (
-            self.design.stages > 1
-            or not self.knocks
-            or (borne := self.loading_by(self.design.strength.method).borne) is None
-        ):
+        if self.design.stages > 1 or not self.knocks:
             return None
-        return KnockingMachine(self.rigid.machine, borne)
+        borne = self.loading_by(self.design.strength.method).borne
+        return None if borne is None else KnockingMachine(self.rigid.machine, borne)
 
     @computed
     def knocking_peaks(self) -> LoadPeaks | None:
@@ -287,10 +284,8 @@ class Drive(Geared):
         self.require_pairs(1)
         require_possible_stiffness(self.design.simulation, self.gears.face_width_mm)
         if self.helix is not None:
-            raise WrongInput(
-                "helical teeth are rated by ncgear strength, but not followed in motion; leave it out",
-                key="gears.helix",
-            )
+            problem = "helical teeth are rated by ncgear strength, but not followed in motion; leave it out"
+            raise WrongInput(problem, key="gears.helix")
         self.require_sound_teeth()
         return self._any_meshing
 
@@ -530,8 +525,7 @@ class Drive(Geared):
 
         judged = self.judged_teeth(method)
         with self.stopwatch("film and wear"):
-            with_all = self.gears, self.conditions, self.running, self.face_loading, self.vibration
-            return surfaces_of_teeth(judged, *with_all)
+            return surfaces_of_teeth(self, judged)
 
     @computed_by
     def told_face_load_by(self, method: Method) -> ToldFaceLoad | None:
@@ -574,13 +568,11 @@ class Drive(Geared):
         """As ``judged_teeth``, of a pair whose gears mesh with each other only."""
         from ncgear.project.tooth_strength import judged_teeth, methods_of, require_known_rims
 
-        load, sections = self.tooth_load.load, self.face_sections
+        _, sections = self.tooth_load, self.face_sections
         with self.stopwatch("strength"):
             require_known_rims(self.rims, self.gears)
             methods = methods_of(method, sections, self.materials, self.rims)
-            loading = self.loading(methods, self.materials)
-            running, uneven, shaken = self.running, self.face_loading, self.vibration
-            return judged_teeth(method, self.gears, methods, loading, self.conditions, running, load, uneven, shaken)
+            return judged_teeth(method, self, methods, self.loading(methods, self.materials))
 
     @computed
     def face_loading(self) -> FaceLoading:

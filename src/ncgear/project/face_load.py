@@ -91,11 +91,8 @@ class FaceLoading:
         """K_Hbeta for a load that is known without teeth, with K_V ``shaken``, shape (n,) each."""
         if self.model is None:
             return np.full(one.load.force_n.shape, self.constant)
-        load = one.load
-        pressing = self.pressing(
-            load.phi1_rad, load.urge, load.force_n, one.stiffness_n_mm2, application_factor, shaken
-        )
-        return self.model.factors(pressing)
+        at = one.load.phi1_rad, one.load.urge, one.load.force_n
+        return self.model.factors(self.pressing(*at, one.stiffness_n_mm2, application_factor, shaken))
 
     def pressing(
         self,
@@ -152,7 +149,11 @@ def face_loading_of(drive: Geared) -> FaceLoading:
     shafts = driving.shaft((arms[0], first), -on_driven, 0.0 * crank), driven.shaft((arms[1], second), on_driven, crank)
     askew, running = _askew_mm(design, drive.running), drive.running
     worn = sum(running_in(one, running, askew) for one in choices_of(gears)) / 2.0
-    model = FaceModel(shafts, driven.crank_at_mm, gears.face_width_mm, askew - worn, lead_form(gears))
+    lead = gears.lead
+    form = LeadForm(
+        MM_PER_UM * lead.crowning_um, MM_PER_UM * (lead.end_relief_um or 0.0), lead.end_relief_length_mm or 0.0
+    )
+    model = FaceModel(shafts, driven.crank_at_mm, gears.face_width_mm, askew - worn, form)
     return FaceLoading("computed", model=model, asked=asked)
 
 
@@ -210,39 +211,27 @@ def grades_of(design: Design) -> tuple[int | None, int | None]:
     return given.driving.grade or given.grade, given.driven.grade or given.grade
 
 
-def lead_form(gears: Gears) -> LeadForm:
-    """The form of the flanks along the width."""
-    lead = gears.lead
-    return LeadForm(
-        MM_PER_UM * lead.crowning_um, MM_PER_UM * (lead.end_relief_um or 0.0), lead.end_relief_length_mm or 0.0
-    )
-
-
-@dataclass(frozen=True)
-class ToothFactor:
-    """K_Hbeta of a tooth of the driving gear, counted from 1, where its flank carries most per mm of width."""
-
-    factor: float
-    tooth: int
-
-
 @dataclass(frozen=True)
 class ToldFaceLoad:
     """Figures of the load along the width: the least and the greatest K_Hbeta of the teeth, and the decisive one.
 
-    Teeth count if their load per mm of width is at least LEADING of the largest.  ``decisive`` is K_Hbeta of the tooth
-    with most load per mm of width, ``by_shafts`` the same without misalignment, and ``best`` the same with the best
-    crowning, ``best_um``.  ``askew_um`` includes running in, and ``crowning_um`` is the crowning of the design.
+    Each has the tooth of the driving gear, counted from 1.  Teeth count if their load per mm of width is at least
+    LEADING of the largest; the decisive tooth has most load per mm of width.  ``decisive_factor_by_shafts`` is its
+    factor without misalignment, ``best_crowning_factor`` its factor with the best crowning.  ``askew_um`` includes
+    running in, and ``crowning_um`` is the crowning of the design.
     """
 
-    least: ToothFactor
-    greatest: ToothFactor
-    decisive: ToothFactor
-    by_shafts: float
+    factor_min: float
+    factor_min_tooth: int
+    factor_max: float
+    factor_max_tooth: int
+    decisive_factor: float
+    decisive_tooth: int
+    decisive_factor_by_shafts: float
     askew_um: float
     crowning_um: float
-    best_um: float
-    best: float
+    best_crowning_um: float
+    best_crowning_factor: float
 
 
 LEADING = 0.5
@@ -267,15 +256,11 @@ def told_face_load(loading: FaceLoading, contacts: LoadedContacts, over: float, 
     heavy = most >= LEADING * most.max()
     crowning_mm = round(best_crowning_mm(model, loads.kept(heavy), most[heavy]) / MM_PER_UM) * MM_PER_UM
     best = replace(model, lead=replace(model.lead, crowning_mm=crowning_mm)).factors(loads)[place]
-    decisive = int(line.argmax())
-
-    def told(row: int) -> ToothFactor:
-        return ToothFactor(float(factors[row]), int(tooth[row]))
-
+    least, greatest, decisive = rows[factors[rows].argmin()], rows[factors[rows].argmax()], int(line.argmax())
     return ToldFaceLoad(
-        told(rows[factors[rows].argmin()]),
-        told(rows[factors[rows].argmax()]),
-        told(decisive),
+        *(float(factors[least]), int(tooth[least])),
+        *(float(factors[greatest]), int(tooth[greatest])),
+        *(float(factors[decisive]), int(tooth[decisive])),
         float(straight[decisive]),
         model.askew_mm / MM_PER_UM,
         model.lead.crowning_mm / MM_PER_UM,

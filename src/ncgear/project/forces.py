@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import pi, sqrt
+from math import cos, pi, sqrt
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from ncgear.contact.placement import BOTH_SIDES
 from ncgear.design.keys.masses import Simulation
 from ncgear.dynamics.crank_load import CrankLoad, crank_load
 from ncgear.dynamics.flank_changes import BorneTorque, borne_torque
-from ncgear.dynamics.gaps import LEAST_IN_MODULES, PER_TOOTH, WITHIN_IN_MODULES, Gaps, gaps_of
+from ncgear.dynamics.gaps import LEAST_IN_MODULES, LEVER, PER_TOOTH, STIFFNESS, WITHIN_IN_MODULES, Gaps, gaps_of
 from ncgear.dynamics.loaded_machine import RigidMachine
 from ncgear.dynamics.meshing import Friction, Impact, Meshing
 from ncgear.dynamics.motion_in_time import DriveLine, EvenDrive, Motor, law_table
@@ -23,12 +24,17 @@ from ncgear.kinematics.motion import stretches
 from ncgear.mechanisms.forces import Masses
 from ncgear.numerics.arrays import Array, distinct
 from ncgear.numerics.bounds import shown_above, shown_below
+from ncgear.numerics.periodic_table import PeriodicTable
 from ncgear.numerics.units import N_PER_KG_MM_S2, RAD_S_PER_RPM
 from ncgear.pitch.pair import PitchPair
 from ncgear.project.tooth_load import ToothLoad
 from ncgear.strength.material import Material
 from ncgear.strength.stiffness import ISO_N_MM_UM, STEEL_MPA
+from ncgear.strength.without_teeth import PUSHING_AND_BACK, SharedLoad
 from ncgear.teeth.gear import ToothedPair
+
+if TYPE_CHECKING:
+    from ncgear.project.drive import Drive
 
 SAMPLES = 720
 """Number of angles of a turn over which inertias are averaged."""
@@ -40,9 +46,7 @@ the modulus of steel, and steel teeth are at most 1.8 times as stiff as in ISO; 
 DEPTHS_MM = (1e-3, 1.0)
 """Depths at which teeth carry loads: a law of impact is possible if its force is possible at any of these depths."""
 
-
 STIFFNESS_KEY = "simulation.stiffness_n_mm"
-
 
 FULLY_DAMPED = 1500.0
 """Depths in a module above which damping is full where the file gives none: 2 micrometres at a module of 3 mm, where
@@ -125,12 +129,8 @@ def damped(given: Simulation, meshing: Meshing, inertia_n_mm_s2: float) -> Meshi
     """
     if given.damping_n_s_mm is not None:
         return meshing
-    lever, exponent, depth = (
-        meshing.gaps.touching_levers_mm,
-        meshing.impact.exponent,
-        meshing.impact.full_damping_depth_mm,
-    )
-    mass, sections = inertia_n_mm_s2 / float(np.mean(lever**2)), meshing.gaps.sections
+    exponent, depth, sections = meshing.impact.exponent, meshing.impact.full_damping_depth_mm, meshing.gaps.sections
+    mass = inertia_n_mm_s2 / float(np.mean(meshing.gaps.touching_levers_mm**2))
     stiffness = sections * float(np.mean(meshing.gaps.touching_stiffness)) * exponent * depth ** (exponent - 1.0)
     critical = 2.0 * sqrt(stiffness * mass) / sections
     return replace(meshing, impact=replace(meshing.impact, damping_n_s_mm=given.damping_ratio * critical))
@@ -215,3 +215,35 @@ def drive_line_of(given: Simulation, masses: Masses, speed_rad_s: float) -> Driv
         )
     inertia = N_PER_KG_MM_S2 * masses.driving_shaft_kg_mm2
     return Motor(motor.no_load_speed_rpm * RAD_S_PER_RPM, 1000.0 * motor.stall_torque_n_m, inertia)
+
+
+PLACES = 720
+"""Places of a cycle between which levers and play are interpolated linearly."""
+
+
+def rough_meshing(drive: Drive, load: ToothLoad, sides: Sequence[SharedLoad]) -> Meshing:
+    """The teeth of a pair from its pitch curves, with the mean stiffness of the pairs that share a load."""
+    transmission, play, gears = drive.pair.transmission, drive.play, drive.running
+    phi1 = np.linspace(0.0, transmission.cycle_rad, PLACES + 1)
+    levers = [1.0 / load.mesh_force(phi1, np.full(phi1.shape, urge)).size_n.value for urge in PUSHING_AND_BACK]
+    thinner_mm = -2.0 * play.thicker_mm * cos(drive.rack.angles_rad[1])
+    known = {float(one.load.urge[0]): _mean_stiffness(one) * gears.face_width_mm for one in sides}
+    values = np.zeros((phi1.size, 2, STIFFNESS + 1))
+    for slot, side in enumerate(PUSHING_AND_BACK):
+        values[:, slot, LEVER] = levers[slot]
+        values[:, slot, STIFFNESS] = known.get(side, max(known.values()))
+    values[:, 1, 0] = play.driven_rad + thinner_mm / levers[1]
+    rising = np.diff(values, axis=0) / np.diff(phi1)[:, None, None]
+    urge = np.broadcast_to(PUSHING_AND_BACK, (PLACES, 2))
+    none = np.zeros((PLACES, 2, 2), dtype=int)
+    table = PeriodicTable(phi1, np.stack([rising, values[:-1]]))
+    gaps = Gaps(table, urge, none, np.full(PLACES, np.inf), np.zeros(urge.shape[1], dtype=int))
+    given = Simulation()
+    impact = Impact(given.exponent, 0.0, gears.module_mm / FULLY_DAMPED)
+    return Meshing(law_table(transmission), gaps, impact, friction_of(given))
+
+
+def _mean_stiffness(side: SharedLoad) -> float:
+    """The load of all pairs over their deflection, in N/mm per mm of width, weighted by the load."""
+    line = side.line_n_mm.sum(axis=0)
+    return float((line**2).sum() / (line**2 / side.stiffness_n_mm2).sum())

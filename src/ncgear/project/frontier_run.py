@@ -91,7 +91,6 @@ class FinishedPoints:
 
     @contextmanager
     def _refused(self) -> Iterator[None]:
-        """A context that turns refusals of the disk into WrongInput."""
         try:
             yield
         except OSError as error:

@@ -55,10 +55,15 @@ def crank_pin_hole(gears: Gears, linkage: Mechanism) -> RoundHole | None:
 def straight_solids(
     gears: Gears, pitch: PitchPair, teeth: ToothedPair, tolerance_mm: float, crank_pin: RoundHole | None = None
 ) -> SolidPair:
-    """Both gears with straight teeth as closed meshes; raises WrongInput where a part of the body has no room."""
+    """Both gears with straight teeth as closed meshes.
+
+    Raises WrongInput where a part of the body, or the chamfer that the process wants, has no room.
+    """
     from ncgear.solids.mesh.pair import SolidPair, gear_solid, ring_solid
 
-    _require_room_for_process(gears)
+    for name, body in (("driving", gears.driving), ("driven", gears.driven)):
+        if wrong := chamfer_fault(name, body, gears.face_width_mm, gears.first_layer_chamfer_mm):
+            raise WrongInput(wrong[1], key=f"gears.{wrong[0]}")
     return SolidPair(*_straight(gears, pitch, teeth, tolerance_mm, crank_pin, (gear_solid, ring_solid)))
 
 
@@ -82,15 +87,6 @@ def finished(gears: Gears) -> Gears:
 
 PROCESS = ("first_layer_chamfer_mm", "process_clearance_mm")
 """Keys of changes that only the process needs."""
-
-
-def _require_room_for_process(gears: Gears) -> None:
-    """Raise WrongInput where the chamfer that the process wants is as high as a gear or its web."""
-    for name, body in (("driving", gears.driving), ("driven", gears.driven)):
-        wrong = chamfer_fault(name, body, gears.face_width_mm, gears.first_layer_chamfer_mm)
-        if wrong is not None:
-            key, problem = wrong
-            raise WrongInput(problem, key=f"gears.{key}")
 
 
 GearMaker = Callable[[Gear, Array, Blank, float, float, Mesh], Made]
@@ -117,7 +113,9 @@ def _straight(
 
     def driven() -> Made:
         if pitch.driven.is_ring:
-            return ring(outline, _ring_blank(gears, module), module, tolerance_mm)
+            process = gears.first_layer_chamfer_mm, gears.process_clearance_mm
+            body = RingBlank(gears.face_width_mm, rim_mm_of(gears, module), gears.index_holes, *process)
+            return ring(outline, body, module, tolerance_mm)
         asked = replace(_blank(gears, gears.driven, turned[1]), crank_pin=crank_pin)
         return gear(Gear.DRIVEN, outline, asked, module, tolerance_mm, Mesh.EXTERNAL)
 
@@ -216,17 +214,6 @@ def _web(body: GearBody) -> WebSize | None:
         return None
     of_hub_mm = body.hub.diameter_mm if body.hub else 0.0
     return WebSize(body.web.thickness_mm, body.web.rim_mm, of_hub_mm if body.web.hub_mm is None else body.web.hub_mm)
-
-
-def _ring_blank(gears: Gears, module_mm: float) -> RingBlank:
-    """The body that the file asks for, for a driven ring."""
-    return RingBlank(
-        gears.face_width_mm,
-        rim_mm_of(gears, module_mm),
-        gears.index_holes,
-        gears.first_layer_chamfer_mm,
-        gears.process_clearance_mm,
-    )
 
 
 def rim_mm_of(gears: Gears, module_mm: float) -> float:

@@ -17,16 +17,15 @@ from ncgear.design.keys.machine import FINEST_IN_MODULES
 from ncgear.design.mechanisms import entry_of
 from ncgear.design.words import COUNTS
 from ncgear.errors import DesignError, WrongInput
-from ncgear.kinematics.check import KinematicCheck, at_speed, both_sides_rad, load_extremes_rad
+from ncgear.kinematics.check import KinematicCheck, at_speed, both_sides_rad, kinematic_check, load_extremes_rad
 from ncgear.kinematics.motion import Machine, OutputMotion, sample_angles
 from ncgear.mechanisms.forces import Masses
 from ncgear.numerics.arrays import Array, distinct
 from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
 from ncgear.pitch.shape import Gear
-from ncgear.project.computed import computed
 from ncgear.project.law import require_whole_turns, size_of
-from ncgear.project.moving import Moving
+from ncgear.project.moving import Moving, computed
 from ncgear.project.moving_masses import GearInertia, TrainInertia, disc_kg_mm2, masses_of, train_inertia
 from ncgear.project.tooth_form import (
     backlash_of,
@@ -370,26 +369,24 @@ class Geared(Moving):
         def by_stage(self) -> tuple[Geared, ...]:
             """One drive for each pair of gears, see ``Drive``."""
 
-    @property
-    def _helical_plans(self) -> tuple[BodyPlan, BodyPlan]:
-        """The bodies of helical gears by the sections that bear the load, without their meshes."""
-        from ncgear.project.gear_solids import finished, helical_plans
-
-        sections = [self.teeth, *(one.teeth for one in self.face_sections.each)]
-        tolerance = self.chord_tolerance_mm
-        with self.stopwatch("bodies"):
-            return helical_plans(finished(self.gears), self.pitch, sections, tolerance, self.crank_pin)
-
     @computed
     def gear_inertia(self) -> GearInertia:
         """The moments of inertia of this pair's gears, from their bodies."""
+        from ncgear.project.gear_solids import finished, helical_plans
         from ncgear.project.service import densities_kg_m3
         from ncgear.solids.plan.body import body_kg_mm2
 
         given, pitch = self.design.masses, self.pitch
         densities = densities_kg_m3(None if given is None else given.density_kg_m3, self.gears)
         try:
-            plans = self.finished_plans if self.helix is None else self._helical_plans
+            if self.helix is None:
+                plans = self.finished_plans
+            else:
+                # By the sections that bear the load, without meshes
+                sections = [self.teeth, *(one.teeth for one in self.face_sections.each)]
+                tolerance = self.chord_tolerance_mm
+                with self.stopwatch("bodies"):
+                    plans = helical_plans(finished(self.gears), pitch, sections, tolerance, self.crank_pin)
         except DesignError as refusal:
             curves, module = (pitch.driving, pitch.driven), pitch.size.module_mm
             first, last = (
@@ -474,7 +471,9 @@ class Geared(Moving):
     @computed
     def uniform_check(self) -> KinematicCheck:
         """The peaks of the uniform crank with the same masses at the same speed."""
-        return self._counted(self.massless_uniform_check, lambda: self.uniform_driving)
+        with self.stopwatch("check"):
+            massless = kinematic_check(self.uniform_machine)
+        return self._counted(massless, lambda: self.uniform_driving)
 
     def check_at_rpm(self, speed_rpm: float) -> KinematicCheck:
         """The check of this design at another driving speed in r/min."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.gears import SIZES
 from ncgear.design.reading.design_file import LoadedDesign
-from ncgear.project.computed import take_over
 from ncgear.project.drive import Drive
 from ncgear.project.law import lobes_of
 from ncgear.project.tooth_form import reach_in_pitches
@@ -24,7 +23,7 @@ def drive_like(drive: Drive, design: Design, loaded: LoadedDesign | None = None)
 
     def like(one: Drive, whole: Drive | None = None) -> Drive:
         other = Drive(design, one.stage, loaded, whole)
-        take_over(kept, one, other)
+        vars(other).update({name: value for name, value in vars(one).items() if name in kept})
         return other
 
     whole = like(drive)

@@ -46,7 +46,13 @@ def task_of(design: Design, gears: TrainInertia) -> task.Task:
     strokes know dead centres), and where friction in the guide would change limited figures.
     """
     require_whole_turns(design, "the search for a best law")
-    _refuse_shared_law(design)
+    if design.gears is not None and design.gears.pairs > 1:
+        # The limits would be those of one pair with the law
+        raise WrongInput(
+            f"{design.gears.pairs} given; a best law is for one pair, or for two by optimize.limits.stages: leave it "
+            "out, and give it in the file that is written",
+            key="gears.pairs",
+        )
     linkage, given, limits = mechanism_of(design.linkage), design.masses, (design.optimize or Optimize()).limits
     if not linkage.RETURNS:
         problem = f"{linkage.NAME} moves nothing to and fro, and the search for a best law takes strokes only"
@@ -167,20 +173,9 @@ def _prices(asked: Optimize) -> task.Prices:
     goal, weights = Goal(asked.goal), asked.weights
     if goal is not Goal.WEIGHTED or weights is None:
         return ALONE[goal]
-
     alike = {name.replace("_rad_s", "_mm_s"): 1.0 / value for name, value in weights if value is not None}
     peaks = {name for name in alike if hasattr(task.Prices, f"peak_{name}")}
     return task.Prices(**{f"peak_{name}" if name in peaks else name: price for name, price in alike.items()})
-
-
-def _refuse_shared_law(design: Design) -> None:
-    """Raise WrongInput for pairs that share a law by its ratio: the limits would be those of one pair with the law."""
-    if design.gears is not None and design.gears.pairs > 1:
-        raise WrongInput(
-            f"{design.gears.pairs} given; a best law is for one pair, or for two by optimize.limits.stages: leave it "
-            "out, and give it in the file that is written",
-            key="gears.pairs",
-        )
 
 
 def wishes_of(design: Design) -> Wishes:

@@ -104,25 +104,15 @@ def _line_drive(design: Design, given: DrivetrainMotor) -> LineDrive | None:
     """The motor's line: its own, or the simulation's at the driving gear."""
     gearbox, simulated = _gearbox(given), design.simulation.motor
     if given.no_load_speed_rpm is not None:
-        stall = _rest_n_m(given) / N_M_PER_N_MM
-        line = StraightLine(stall, given.no_load_speed_rpm * RAD_S_PER_RPM)
+        rest_n_m = given.rated_torque_n_m / (1.0 - given.rated_speed_rpm / given.no_load_speed_rpm)
+        line = StraightLine(rest_n_m / N_M_PER_N_MM, given.no_load_speed_rpm * RAD_S_PER_RPM)
         return LineDrive(line, gearbox, given.overrunning_clutch)
     if simulated is None:
         return None
     line = StraightLine(simulated.stall_torque_n_m / N_M_PER_N_MM, simulated.no_load_speed_rpm * RAD_S_PER_RPM)
-    return _behind(gearbox, line, given.overrunning_clutch)
-
-
-def _behind(gearbox: Gearbox, line: StraightLine, clutch: bool) -> LineDrive:
-    """The motor with a given line at the driving gear, which is behind its gearbox and includes its losses."""
+    # The line at the driving gear is behind the gearbox, and includes its losses
     own = StraightLine(line.stall_n_mm / (gearbox.ratio * gearbox.efficiency), line.no_load_rad_s * gearbox.ratio)
-    return LineDrive(own, gearbox, clutch)
-
-
-def _rest_n_m(given: DrivetrainMotor) -> float:
-    """Torque at rest of a motor's own straight line."""
-    assert given.no_load_speed_rpm is not None
-    return given.rated_torque_n_m / (1.0 - given.rated_speed_rpm / given.no_load_speed_rpm)
+    return LineDrive(own, gearbox, given.overrunning_clutch)
 
 
 def _asked(drive: Geared) -> tuple[Demand, LineDrive] | None:
@@ -146,7 +136,6 @@ def motor_stall(drive: Geared) -> Stall | None:
 
 
 def _stops(drive: Geared, demand: Demand, motor: LineDrive) -> Stall | None:
-    """Where a motor stops within the turns of the simulation."""
     given = drive.design.simulation
     start = demand.speed_rad_s if given.start == "on_law" else 0.0
     return stall_of(demand, motor.torque_n_mm, start, 2.0 * pi * given.turns)
@@ -179,7 +168,6 @@ STIFFENED = 1.01
 
 MOST_SECONDS = 5.0
 """Most processor time of these trials."""
-
 
 OFF_SPEED = 0.03
 """Share by which a motor's own speed may differ from the wanted speed: about the slip of usual motors."""

@@ -1,25 +1,70 @@
-"""The moving parts of a design without its gears: its law, its mechanism, and the output's motion."""
+"""The moving parts of a design without its gears: law, mechanism, motion; how a drive keeps what it has computed."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from copy import copy
 from dataclasses import replace
-from typing import Self
+from functools import cached_property, wraps
+from typing import Any, Self, TypeVar, overload
 
 from ncgear.design.keys.design import Design
 from ncgear.design.reading.design_file import LoadedDesign
-from ncgear.errors import Places, WrongInput
+from ncgear.errors import DesignError, Places, WrongInput, located
 from ncgear.kinematics.check import KinematicCheck, kinematic_check, stroke_error_mm
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import RAD_S_PER_RPM
-from ncgear.project.computed import computed
 from ncgear.project.law import law_of, load_of, motion_wishes_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Law, Pair, Transmission
 from ncgear.shown import Shown
 from ncgear.stopwatch import Stopwatch
 from ncgear.wishes.wish import Achieved, Outcome, Wish, achieved
+
+Value = TypeVar("Value", covariant=True)
+Found = TypeVar("Found")
+By = TypeVar("By", bound=str)
+
+
+class computed(cached_property[Value]):
+    """A cached property of a drive; its errors give their place in the design file.
+
+    The place comes from the attribute ``places`` of the drive, which is None for a design that came from no file.
+    """
+
+    @overload
+    def __get__(self, instance: None, owner: type[Any] | None = None) -> Self: ...
+
+    @overload
+    def __get__(self, instance: Any, owner: type[Any] | None = None) -> Value: ...
+
+    def __get__(self, instance: Any, owner: type[Any] | None = None) -> Self | Value:
+        if instance is None:
+            return self
+        with located(instance.places):
+            return super().__get__(instance, owner)
+
+
+def computed_by(method: Callable[[Any, By], Found]) -> Callable[[Any, By], Found]:
+    """A method of a drive that is computed once for each value of its argument; an error is kept too."""
+
+    @wraps(method)
+    def known(drive: Any, by: By) -> Found:
+        results: dict[str, Found | DesignError] = vars(drive).setdefault(f"_{method.__name__}", {})
+        if by not in results:
+            try:
+                with located(drive.places):
+                    results[by] = method(drive, by)
+            except DesignError as refusal:
+                results[by] = refusal
+        found = results[by]
+        if isinstance(found, DesignError):
+            raise copy(found)
+        return found
+
+    return known
 
 
 class Moving(Shown):
@@ -166,9 +211,3 @@ class Moving(Shown):
         if not self.linkage.RETURNS:
             return {}
         return {f"stroke_residual_{place.ending}": place.factor * self.stroke_residual}
-
-    @computed
-    def massless_uniform_check(self) -> KinematicCheck:
-        """The uniform crank's peaks at the same speed, with the power of the resistance alone."""
-        with self.stopwatch("check"):
-            return kinematic_check(self.uniform_machine)

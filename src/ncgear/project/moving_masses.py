@@ -141,5 +141,4 @@ def _polygon_mm4(points: Array) -> float:
 
 
 def _circle_mm4(radius_mm: float) -> float:
-    """Polar moment of area of a circle about its centre."""
     return pi * radius_mm**4 / 2.0

@@ -173,7 +173,8 @@ def _points(data: dict[str, Any], key: str, function: Function) -> Drive:
             phi1 = _with_top(phi1, _called(function, phi1, key), function, key)
         values = {"phi1_rad": phi1.tolist(), key.removeprefix("motion."): _called(function, phi1, key).tolist()}
         drive = _drive({**data, "motion": {**data["motion"], **values}})
-        between = _between(phi1, cycle)
+        width = np.diff(np.append(phi1, cycle))
+        between = (phi1[:, None] + width[:, None] * (np.arange(BETWEEN) + 0.5) / BETWEEN).ravel()
         at = np.concatenate([between, angles])
         off = _off(drive, at, np.concatenate([_called(function, between, key), wanted]), data["motion"], key)
         error, at_rad = float(np.max(off)), float(at[np.argmax(off)])
@@ -253,12 +254,6 @@ def _with_top(phi1: Array, values: Array, function: Function, key: str) -> Array
     real = roots[np.abs(roots.imag) < 1e-9 * step].real
     end = float(real[np.argmin(np.abs(real - top))]) if real.size else top
     return np.sort(np.append(phi1[np.abs(phi1 - end) > step / 4.0], end))
-
-
-def _between(phi1: Array, cycle: float) -> Array:
-    """Angles between the points at which a law is compared with its function."""
-    width = np.diff(np.append(phi1, cycle))
-    return (phi1[:, None] + width[:, None] * (np.arange(BETWEEN) + 0.5) / BETWEEN).ravel()
 
 
 def _off(drive: Drive, at: Array, wanted: Array, motion: Mapping[str, Any], key: str) -> Array:

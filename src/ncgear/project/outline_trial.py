@@ -130,13 +130,11 @@ def judged(made: Made, judge: Callable[[Made], Made | None]) -> Made:
 
 
 def _places(curve: Rolled, at: CurvePoints) -> Array:
-    """Arc lengths of the curve at points of its gear's pitch curve."""
     polar = np.mod(np.arctan2(at.position[:, 1], at.position[:, 0]), 2.0 * pi)
     return np.interp(polar, curve.phi_rad, curve.arc_mm, period=2.0 * pi)
 
 
 def _with_contact(made: Made, gears: Gears) -> Made:
-    """The pair with the lengths of contact of its flanks."""
     gear = made.drive.teeth.of(given_gear(made.motion))
     contact, placement = made.drive.free_contact, made.drive.free_contact.placement
     sides, own = (contact.pushing, contact.back), gear.flanks.curve.gear.value

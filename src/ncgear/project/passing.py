@@ -104,7 +104,6 @@ def passings_of(drive: Geared) -> tuple[Passing, ...]:
 
 
 def _half_mm(drive: Geared, part: str) -> float | None:
-    """Half the diameter of the crank pin, or half the width of a rod."""
     if part == CRANK_PIN:
         pin = drive.gears.driven.crank_pin
         return pin.diameter_mm / 2.0 if pin else None

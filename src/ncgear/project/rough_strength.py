@@ -115,8 +115,7 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
     asked, borne = asked_of(drive), None
     if asked.knocks_are_judged:
         # Checks of machines without masses load no module of contact.
-        from ncgear.project.forces import borne_by
-        from ncgear.project.rough_meshing import rough_meshing
+        from ncgear.project.forces import borne_by, rough_meshing
 
         borne = borne_by(asked, rough_meshing(drive, asked, sides))
         load = rolled_load(drive, borne.at)
@@ -150,15 +149,10 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
             shaken = [_shaken(drive, one.load, mesh, borne) for one in sides]
             uneven = _uneven(drive, sides, conditions, shaken)
             found = rough_safeties(sides, plan, running, warm, conditions, uneven, shaken)
-            phi1, force = (
-                np.concatenate(parts)
-                for parts in zip(*((one.load.phi1_rad, one.load.force_n) for one in sides), strict=True)
-            )
-            told = (
-                None
-                if mesh is None
-                else told_vibration(drive, drive.vibration, mesh, phi1, np.concatenate(shaken), force)
-            )
+            phi1, force = (np.concatenate([getattr(one.load, of) for one in sides]) for of in ("phi1_rad", "force_n"))
+            told = None
+            if mesh is not None:
+                told = told_vibration(drive, drive.vibration, mesh, phi1, np.concatenate(shaken), force)
             every = *found, *jammed
             return RoughStrength(every, "", needs_teeth, False, told, tuple(jammed), jam_needs_teeth)
         uneven = _uneven(drive, sides, conditions, _even(sides, conditions.dynamic_factor or 1.0))
@@ -170,28 +164,15 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
 
 def beside_refusal(drive: Drive, refusal: DesignError | None) -> RoughStrength | None:
     """The rough strength of a pair whose strength is refused, or was not computed (None)."""
-    if refusal is None:
-        return rough_strength(drive)
     found = rough_strength(drive)
-    return found and replace(found, unjudged=refusal.problem)
+    return found if found is None or refusal is None else replace(found, unjudged=refusal.problem)
 
 
 def rough_mesh(drive: Drive, sides: list[SharedLoad], load: RolledLoad) -> MeshStiffness | None:
     """The rough mean stiffness of a pair's teeth over a pitch."""
-    phi1, stiffness, pairs = (
-        np.concatenate(parts)
-        for parts in zip(
-            *(
-                (
-                    one.load.phi1_rad,
-                    drive.running.face_width_mm * one.stiffness_n_mm2,
-                    one.bearing,
-                )
-                for one in sides
-            ),
-            strict=True,
-        )
-    )
+    width_mm = drive.running.face_width_mm
+    each = ((one.load.phi1_rad, width_mm * one.stiffness_n_mm2, one.bearing) for one in sides)
+    phi1, stiffness, pairs = (np.concatenate(parts) for parts in zip(*each, strict=True))
     cycle = 2.0 * pi * round(load.phi1_rad.size / PER_TOOTH / drive.running.teeth[0]) if load.closed else None
     per_pitch = PER_TOOTH * (2 if asked_of(drive).loads_return else 1)
     return MeshStiffness.of(phi1, stiffness, pairs, cycle, per_pitch)
@@ -270,7 +251,6 @@ LEAST_SHIFT = 1e-9
 
 
 def _warm(drive: Drive, sides: list[SharedLoad], positions: int) -> tuple[Material, Material]:
-    """The materials; plastics at the temperature that friction gives them."""
     choices, conditions, running = choices_of(drive.gears), drive.conditions, drive.running
     if not any(isinstance(choice.entry, Plastic) for choice in choices):
         return drive.materials
@@ -301,7 +281,6 @@ def _height_mm(drive: Drive) -> float:
 
 
 def _known_wall_mm(drive: Drive, gear: Gear) -> float:
-    """The thinnest wall for which Y_B is known."""
     return thinnest_rim_mm(_height_mm(drive), drive.running.module_mm, internal=drive.pitch.of(gear).is_ring)
 
 
@@ -315,8 +294,10 @@ def _walls_mm(drive: Drive, gear: Gear, phi1_rad: Array) -> Array:
     if curve.is_ring:
         from ncgear.project.gear_solids import rim_mm_of
 
+        cycle = np.linspace(0.0, drive.transmission.cycle_rad, PER_TOOTH * drive.pitch.size.driven_teeth)
+        farthest_mm = float(np.abs(_roots_mm(drive, gear, cycle)).max())
         rim_mm = rim_mm_of(drive.gears, drive.pitch.size.module_mm)
-        return np.asarray(_farthest_mm(drive, gear) + rim_mm - np.abs(_roots_mm(drive, gear, phi1_rad)))
+        return np.asarray(farthest_mm + rim_mm - np.abs(_roots_mm(drive, gear, phi1_rad)))
     given = [body.web.rim_mm] if body.web else []
     given += [body.lightening_holes.least_wall_mm] if body.lightening_holes else []
     walls = np.full(phi1_rad.shape, min(given, default=inf))
@@ -355,12 +336,6 @@ def _roots_mm(drive: Drive, gear: Gear, phi1_rad: Array) -> ComplexArray:
     shift_mm = form.driving_shift_mm if gear is Gear.DRIVING else form.driven_shift_mm
     deep_mm = drive.gears.rack.dedendum * drive.running.module_mm - shift_mm
     return as_complex(at.position) - deep_mm * as_complex(at.normal)
-
-
-def _farthest_mm(drive: Drive, gear: Gear) -> float:
-    """The largest distance of a bottom of a space from the axis."""
-    cycle = np.linspace(0.0, drive.transmission.cycle_rad, PER_TOOTH * drive.pitch.size.driven_teeth)
-    return float(np.abs(_roots_mm(drive, gear, cycle)).max())
 
 
 def rolled_load(drive: Drive, torque_n_mm: Callable[[Array], Array] | None = None) -> RolledLoad:

@@ -87,7 +87,9 @@ def rating_of(drive: Drive, method: Literal["estimate", "elements"] | None = Non
     area_mm2 = drive.gears.face_width_mm * drive.pitch.size.module_mm
     if strength.peak_pair_n < NOTHING_MPA * area_mm2:
         raise WrongInput("the teeth carry no load at any angle, so their strength is unknown", key="resistance")
-    wanted = {gear: _wanted(drive, strength, gear) for gear in Gear}
+    # The wanted safeties of the design or, where it gives none, the usual ones for each gear's material
+    usual = drive.conditions.wanted_bending_safety, drive.conditions.wanted_contact_safety
+    wanted = {gear: WantedSafety(*(of(strength.of(gear).material) for of in usual)) for gear in Gear}
     return Rating(strength, loading, tuple(weakest_teeth(strength, wanted)))
 
 
@@ -103,12 +105,6 @@ def known_rating(drive: Drive) -> Rating | DesignError | None:
     except DesignError as error:
         # Some gears can be made but not rated.
         return error
-
-
-def _wanted(drive: Drive, strength: Strength, gear: Gear) -> WantedSafety:
-    """The wanted safety of the design or, where it gives none, the usual safety for the gear's material."""
-    conditions, material = drive.conditions, strength.of(gear).material
-    return WantedSafety(conditions.wanted_bending_safety(material), conditions.wanted_contact_safety(material))
 
 
 def unknown(drive: Drive) -> WrongInput | None:
@@ -127,9 +123,9 @@ def unknown(drive: Drive) -> WrongInput | None:
 def crowned_enough(drive: Drive, rating: Rating) -> Changes:
     """The best lead crowning in whole um, if teeth hold with it; else, or where it is not known, empty."""
     told = drive.told_face_load_by(rating.strength.method)
-    if told is None or told.best_um == told.crowning_um:
+    if told is None or told.best_crowning_um == told.crowning_um:
         return {}
-    changes: Changes = {CROWNING: told.best_um}
+    changes: Changes = {CROWNING: told.best_crowning_um}
     return changes if _holds(drive, rating, changes) else {}
 
 

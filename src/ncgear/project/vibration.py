@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import cos, degrees, pi
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -118,20 +118,19 @@ def mesh_stiffness(loading: Loading, running: Running) -> MeshStiffness | None:
 class ToldVibration:
     """Figures of a mesh's vibration.
 
-    ``factor`` is K_V at the largest load of a pair, at the driving angle ``phi1_rad``; ``is_given`` if the design gives
-    it.  ``most_n`` is the largest force of a pair with its own K_V, which may be elsewhere: the part from deviations
-    does not grow with the load.  ``least`` and ``greatest`` are the resonance ratios of a turn.  The mesh resonates
-    between the pairs of driving angles in degrees ``resonates_deg``, and somewhere in the turn at speeds of
-    ``critical_rpm``; None without inertia.
+    ``dynamic_factor`` is K_V at the largest load of a pair, and its driving angle.  The peak force is the largest of a
+    pair with its own K_V, which may be elsewhere: the part from deviations does not grow with the load.  The resonance
+    ratios are those of a turn.  The mesh resonates between pairs of driving angles in degrees, and somewhere in the
+    turn at speeds of ``critical_rpm``; None without inertia.
     """
 
-    factor: float
-    phi1_rad: float
-    most_n: float
-    is_given: bool
-    least: float
-    greatest: float
-    resonates_deg: tuple[tuple[float, float], ...]
+    dynamic_factor: float
+    dynamic_factor_at_rad: float
+    peak_tooth_force_vibrating_n: float
+    dynamic_factor_is: Literal["given", "computed"]
+    resonance_ratio_min: float
+    resonance_ratio_max: float
+    resonates_between_deg: list[tuple[float, float]]
     critical_rpm: tuple[float, float] | None
 
 
@@ -148,7 +147,7 @@ def told_vibration(
         float(factors[most]),
         float(phi1_rad[most]),
         float((factors * force_n).max()),
-        drive.conditions.dynamic_factor is not None,
+        "computed" if drive.conditions.dynamic_factor is None else "given",
         least,
         greatest,
         _stretches_deg(phi1, (ratios >= RESONANCE[0]) & (ratios <= RESONANCE[1])),
@@ -156,12 +155,12 @@ def told_vibration(
     )
 
 
-def _stretches_deg(phi1_rad: Array, inside: Mask) -> tuple[tuple[float, float], ...]:
+def _stretches_deg(phi1_rad: Array, inside: Mask) -> list[tuple[float, float]]:
     """The stretches of driving angles in degrees, shape (n,) and rising, where ``inside`` is true."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(int)))
-    return tuple(
+    return [
         (degrees(float(phi1_rad[first])), degrees(float(phi1_rad[last - 1]))) for first, last in edges.reshape(-1, 2)
-    )
+    ]
 
 
 LEADING = 0.5
@@ -213,7 +212,9 @@ def speed_sweep(drive: Geared, vibration: Vibration, loading: Loading) -> SpeedS
     over = drive.conditions.application_factor
     factors = vibration.factors_at_speeds(phi1[leading], force[leading], mesh, over, faster)
     load_factor = _load_factor(drive, vibration, loads, faster * drive.machine.speed_rad_s)
-    return SpeedSweep(speeds, faster * told.least, faster * told.greatest, factors.max(axis=1), load_factor)
+    return SpeedSweep(
+        speeds, faster * told.resonance_ratio_min, faster * told.resonance_ratio_max, factors.max(axis=1), load_factor
+    )
 
 
 def _load_factor(drive: Geared, vibration: Vibration, loads: Loading, speeds_rad_s: Array) -> Array | None:

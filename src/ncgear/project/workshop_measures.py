@@ -144,16 +144,11 @@ def section_z_mm(helix: Helix) -> float:
 def _measured(drive: Geared, gear: Gear, toothed: ToothedGear) -> GearMeasures:
     tolerance = drive.chord_tolerance_mm
     working = working_flanks(toothed, drive.helix.angle_rad if drive.helix else 0.0)
-    limits = thickness_limits_mm(drive.gears)
+    limits, given = thickness_limits_mm(drive.gears), drive.gears.measuring_pin_mm
     tool = "ball" if drive.helix else "pin"
     z_mm = section_z_mm(drive.helix) if drive.helix else None
-    return GearMeasures(gear, tool, working, toothed, _pins_to_try_mm(drive, working), tolerance, limits, z_mm)
-
-
-def _pins_to_try_mm(drive: Geared, working: WorkingFlanks) -> tuple[float, ...]:
-    """The given diameter, or else the commercial diameters near the nominal one."""
-    given = drive.gears.measuring_pin_mm
-    return (given,) if given is not None else pins_to_try(_nominal_mm(drive, working))
+    pins_mm = (given,) if given is not None else pins_to_try(_nominal_mm(drive, working))
+    return GearMeasures(gear, tool, working, toothed, pins_mm, tolerance, limits, z_mm)
 
 
 def _nominal_mm(drive: Geared, working: WorkingFlanks) -> float:

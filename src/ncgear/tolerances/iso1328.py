@@ -44,7 +44,6 @@ class FlankTolerances:
     """Tolerances in mm, not rounded, in the shape of the given diameters."""
 
     single_pitch_mm: Array
-    cumulative_pitch_mm: Array
     profile_slope_mm: Array
     profile_form_mm: Array
 
@@ -59,7 +58,6 @@ def flank_tolerances(grade: int, diameter_mm: Array, module_mm: float) -> FlankT
     step = MM_PER_UM * 2.0 ** ((grade - 5) / 2.0)
     return FlankTolerances(
         single_pitch_mm=step * (0.001 * diameter_mm + 0.4 * module_mm + 5.0),
-        cumulative_pitch_mm=step * (0.002 * diameter_mm + 0.55 * np.sqrt(diameter_mm) + 0.7 * module_mm + 12.0),
         profile_slope_mm=step * (0.4 * module_mm + 0.001 * diameter_mm + 4.0),
         profile_form_mm=step * np.full(np.shape(diameter_mm), 0.55 * module_mm + 5.0),
     )

@@ -41,18 +41,18 @@ class MeshContact:
 
     first: str
     second: str
-    deepest_mm: float
-    deepest_at_rad: float
-    gap_mm: float
-    gap_at_rad: float
+    penetration_max_mm: float
+    penetration_max_at_rad: float
+    gap_max_mm: float
+    gap_max_at_rad: float
 
     def clashes(self, allowed_mm: float) -> bool:
         """Whether the teeth overlap by more than is allowed."""
-        return self.deepest_mm > allowed_mm
+        return self.penetration_max_mm > allowed_mm
 
     def parts(self, allowed_mm: float) -> bool:
         """Whether the teeth come apart by more than is allowed."""
-        return self.gap_mm > allowed_mm
+        return self.gap_max_mm > allowed_mm
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class Distance:
 
     first: str
     second: str
-    least_mm: float
+    least_distance_mm: float
     at_rad: float
 
 
@@ -225,4 +225,4 @@ def _signed_distance(area: Polygon, points: ComplexArray) -> float:
 
 def worst(found: Sequence[MeshContact]) -> tuple[float, float]:
     """The greatest penetration and the greatest gap of several meshes, in mm."""
-    return max(one.deepest_mm for one in found), max(one.gap_mm for one in found)
+    return max(one.penetration_max_mm for one in found), max(one.gap_max_mm for one in found)

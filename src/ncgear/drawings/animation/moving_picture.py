@@ -153,7 +153,6 @@ def _number_in_words(axes: Axes, before: str, widest: str, after: str) -> Text:
 
 
 def _width_in(made: Figure | SubFigure, words: str, style: Style) -> float:
-    """Width in inches of words, including spaces at their ends."""
     probe = made.text(0.0, 0.0, words, **style)
     width = float(probe.get_window_extent().width) / made.dpi
     probe.remove()
@@ -310,7 +309,6 @@ def _chart_axes(made: Figure) -> tuple[Axes, Axes]:
 
 
 def _name_gears(axes: Axes) -> None:
-    """Name both gears in their colours, above the right end of the view."""
     for name, color, left_pt in (("driven", DRIVEN, 0.0), ("driving", DRIVING, NAME_PT)):
         words = axes.annotate(name, (1.0, 1.0), (-left_pt, 2.0), xycoords="axes fraction", textcoords="offset points")
         words.set(color=color, size=SMALL, weight="bold", ha="right", va="bottom")

@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
 
 from ncgear.drawings.charts.chart import DRIVING_ANGLE, Chart, ChartLine, Role
 from ncgear.drawings.plots import canvas
@@ -133,7 +132,8 @@ def mark_extreme(axes: Axes, line: ChartLine, unit: str) -> None:
         return
     axes.margins(y=0.16)
     axes.autoscale_view(scalex=False)
-    curves = [curve for curve in axes.lines if _is_curve(curve)]
+    # Marks of joints have no points to read
+    curves = [one for one in axes.lines if one.get_color() != canvas.JOINT and np.size(one.get_xdata()) > 0]
     axes.plot(x, y, "o", color=canvas.DRIVING, markersize=4.5)
     text = f"{to_digits(y, 4)} {unit} at {fixed(x, 0)}\u00b0".replace("-", "\u2212")
     note = axes.annotate(
@@ -161,11 +161,6 @@ NOTE_PLACES = (
 )
 """Places of a note about a highest point, the best first: its alignment with the point, and the distances in points
 from the point along the axis and upwards.  For a lowest point, upwards becomes downwards."""
-
-
-def _is_curve(line: Line2D) -> bool:
-    """Whether a line has points to read, unlike the marks of joints."""
-    return line.get_color() != canvas.JOINT and np.size(line.get_xdata()) > 0
 
 
 def angle_scale(column: Sequence[Axes], end_deg: float) -> None:

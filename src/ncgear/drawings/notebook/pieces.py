@@ -24,7 +24,7 @@ from markupsafe import Markup
 from shapely import Polygon
 
 from ncgear.drawings.page.assets import scene_style
-from ncgear.drawings.page.chart_figure import ChartFigure, PageChart
+from ncgear.drawings.page.chart_figure import PageChart
 from ncgear.drawings.page.chart_svg import drawn
 from ncgear.drawings.page.scene_svg import closed_path, grid_mm, scene_svg
 from ncgear.drawings.palette import DARK, LIGHT
@@ -67,7 +67,6 @@ def style() -> str:
 
 @cache
 def _macros() -> Any:
-    """The pieces as macros, by their names."""
     environment = Environment(loader=PackageLoader("ncgear.drawings.notebook", ""), autoescape=True)
     return environment.get_template("pieces.html.j2").module
 
@@ -114,14 +113,12 @@ def table(content: Table) -> Markup:
 
 def charts(shown: Iterable[PageChart]) -> Markup:
     """Charts beside each other, as the report draws them, each with its extremes and the key of its lines."""
-    plain = [drawn(one) for one in shown]
-    return Markup(_macros().charts([(one, _named_by_content(one)) for one in plain]))
-
-
-def _named_by_content(plain: ChartFigure) -> str:
-    """The drawing of a chart, named by its content: names in an SVG count for the whole page."""
-    old, new = plain.page_chart.key, f"ncgear-{digest(plain.drawing)}"
-    return plain.drawing.replace(f'"{old}-', f'"{new}-').replace(f"#{old}-", f"#{new}-")
+    named = []
+    for one in map(drawn, shown):
+        # Names in an SVG count for the whole page: they follow from its content
+        old, new = one.page_chart.key, f"ncgear-{digest(one.drawing)}"
+        named.append((one, one.drawing.replace(f'"{old}-', f'"{new}-').replace(f"#{old}-", f"#{new}-")))
+    return Markup(_macros().charts(named))
 
 
 def digest(text: str) -> str:
@@ -184,11 +181,8 @@ def _ways(scene: Scene, phi1: Array) -> Iterator[tuple[str, list[str]]]:
         yield f"pitch-point-{number}", [_moved(x, y) for x, y in points]
     for name, (left, length) in scene.strips_mm(poses).items():
         assert scene.chamber is not None
-        yield name, _stretched(left, scene.chamber.level_mm, length)
-
-
-def _stretched(x_mm: Array, y_mm: float, depth_mm: Array) -> list[str]:
-    return [f"{_moved(x, y_mm)}scale({depth:.5g},1)" for x, depth in zip(x_mm, depth_mm, strict=True)]
+        y_mm, strips = scene.chamber.level_mm, zip(left, length, strict=True)
+        yield name, [f"{_moved(x_mm, y_mm)}scale({depth_mm:.5g},1)" for x_mm, depth_mm in strips]
 
 
 def _moved(x_mm: float, y_mm: float, angle_rad: float | None = None) -> str:
@@ -204,7 +198,6 @@ FINENESS = 2e-4
 
 ROOM = 1.04
 """Size of the picture divided by the size of the outlines on it."""
-
 
 RING = 1.1
 """Outer radius of a ring, divided by the largest radius of its curve or teeth: these alone know of no body."""

@@ -106,7 +106,6 @@ def _title(value: object) -> tuple[str, str]:
 
 @singledispatch
 def _pieces(value: object) -> Iterator[Markup]:
-    """The pieces below the title of a value."""
     raise TypeError(f"{type(value).__name__} has no picture")
 
 
@@ -116,7 +115,7 @@ def _drive(drive: Drive) -> Iterator[Markup]:
     pairs = drive.by_stage if drive.design.gears is not None else ()
     pieces: list[Callable[[], Markup]] = [
         lambda: facts([("mechanism", _mechanism(drive.linkage)), *typeset(machine_facts(drive))]),
-        *(partial(_about_pair, pair) for pair in pairs),
+        *(partial(lambda pair: facts(typeset(gear_facts(pair), pair.of)), pair) for pair in pairs),
         lambda: running(scene_of(drive)),
         lambda: charts(motion_charts(drive, drive.transmission.cycle_rad)[1:]),
         lambda: NOTHING.join(map(table, comparison_tables(comparison_rows(drive)))),
@@ -133,12 +132,7 @@ def _verdict(drive: Drive) -> Markup:
     return NOTHING.join([*warnings, left])
 
 
-def _about_pair(pair: Drive) -> Markup:
-    return facts(typeset(gear_facts(pair), pair.of))
-
-
 def _mechanism(linkage: Mechanism) -> str:
-    """The name of a mechanism's class in words."""
     return re.sub("(?<=[a-z])(?=[A-Z])", " ", type(linkage).__name__).lower()
 
 
@@ -175,10 +169,8 @@ def _machine(machine: Machine) -> Iterator[Markup]:
 def _motion(motion: OutputMotion) -> Iterator[Markup]:
     powered = () if motion.power_with_masses_w is None else (Quantity.POWER,)
     loaded = LOAD if np.any(motion.load != 0.0) else powered
-    chosen = [
-        (quantity, motion_chart(quantity, motion.linkage, motion)) for quantity in (*MOTION, *loaded, Quantity.RATIO)
-    ]
-    yield charts(PageChart(quantity.value, chart) for quantity, chart in chosen)
+    chosen = (*MOTION, *loaded, Quantity.RATIO)
+    yield charts(PageChart(quantity.value, motion_chart(quantity, motion.linkage, motion)) for quantity in chosen)
 
 
 @_pieces.register
@@ -302,10 +294,9 @@ def _best_law(best: BestLaw) -> Iterator[Markup]:
 @_pieces.register
 def _frontier(found: Frontier) -> Iterator[Markup]:
     columns = columns_of("cap on the power, W", "limit, mm/s2", "best law, mm/s2", "family, mm/s2")
-    pairs = list(zip(found.laws, found.families, strict=True))
     rows = tuple(
         tuple(map(shown, (one.cap_w, one.limit_mm_s2, one.law.peak_acceleration_mm_s2, of.peak_acceleration_mm_s2)))
-        for one, of in pairs
+        for one, of in zip(found.laws, found.families, strict=True)
     )
     yield table(Table("Least peak acceleration", columns, rows))
     limit = np.array([[law.cap_w, law.limit_mm_s2] for law in found.laws])
@@ -316,25 +307,16 @@ def _frontier(found: Frontier) -> Iterator[Markup]:
         if None not in (one.peak_power_w, one.peak_acceleration_mm_s2)
     ]
     family = np.array(known).reshape(-1, 2)
-    yield _png(frontier(limit, laws, family, [], "power against acceleration"))
-
-
-def _png(picture_of: bytes) -> Markup:
-    data = b64encode(picture_of).decode()
-    return Markup(
-        '<img alt="power against acceleration" style="max-width:100%" src="data:image/png;base64,{}">'
-    ).format(data)
+    shown_as = '<img alt="power against acceleration" style="max-width:100%" src="data:image/png;base64,{}">'
+    data = b64encode(frontier(limit, laws, family, [], "power against acceleration")).decode()
+    yield Markup(shown_as).format(data)
 
 
 @_pieces.register
 def _whole_machines(found: WholeMachines) -> Iterator[Markup]:
-    """The machines as the command tells them."""
     answer = machines_answer(found)
-    yield table(
-        Table(
-            answer.head, tuple(map(Column, ("machine", *HEADS))), tuple((row.name, *row.texts) for row in answer.rows)
-        )
-    )
+    rows = tuple((row.name, *row.texts) for row in answer.rows)
+    yield table(Table(answer.head, tuple(map(Column, ("machine", *HEADS))), rows))
 
 
 @_pieces.register
@@ -348,7 +330,6 @@ def _balancing(balancing: Balancing) -> Iterator[Markup]:
 
 @_pieces.register
 def _design(design: Design) -> Iterator[Markup]:
-    """The keys that the file gives, in their order."""
     yield table(Table("Keys of the file", columns_of("key", "value"), tuple(_given(design, ""))))
 
 

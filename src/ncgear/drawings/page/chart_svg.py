@@ -115,7 +115,12 @@ def drawn(page_chart: PageChart, size: Size = OF_REPORT) -> ChartFigure:
         draw(axes, page_chart.chart, PAGE_LOOK)
         of = "driving angle" if page_chart.shaft == DRIVING else "angle of the shaft between"
         axes.set_xlabel(f"{of} in deg", size=TEXT_SIZE, color=INK)
-        left, right = _margins(axes)
+        # The numbers of the scales have room in any font
+        beside, below = (
+            [_width(text) for text in scale.get_major_formatter().format_ticks(list(scale.get_majorticklocs()))]
+            for scale in (axes.yaxis, axes.xaxis)
+        )
+        left, right = max(LEAST_LEFT, max(beside) + BESIDE_NUMBERS), max(LEAST_RIGHT, max(below) / 2.0)
         made.subplots_adjust(left / width, 38.0 / height, 1.0 - right / width, 1.0 - 8.0 / height)
         text = StringIO()
         made.savefig(text, format="svg", metadata=NO_METADATA)
@@ -124,15 +129,6 @@ def drawn(page_chart: PageChart, size: Size = OF_REPORT) -> ChartFigure:
     (x0, y0), (x1, y1) = corners.tolist()
     svg = for_page(text.getvalue(), page_chart.key)
     return ChartFigure(page_chart, svg, (left, right), (x0, x1), (low, high), (height - y0, height - y1))
-
-
-def _margins(axes: Axes) -> tuple[float, float]:
-    """The widths left and right of axes, in SVG units, in which the numbers of the scales have room in any font."""
-    beside, below = (
-        [_width(text) for text in scale.get_major_formatter().format_ticks(list(scale.get_majorticklocs()))]
-        for scale in (axes.yaxis, axes.xaxis)
-    )
-    return max(LEAST_LEFT, max(beside) + BESIDE_NUMBERS), max(LEAST_RIGHT, max(below) / 2.0)
 
 
 def _width(text: str) -> float:

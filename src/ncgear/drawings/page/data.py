@@ -15,7 +15,7 @@ import numpy as np
 
 from ncgear.drawings.charts.chart import ChartLine
 from ncgear.drawings.page.chart_figure import ChartFigure
-from ncgear.drawings.scene.geared_pairs import SceneGear, ScenePair
+from ncgear.drawings.scene.geared_pairs import SceneGear
 from ncgear.drawings.scene.scene import Scene
 from ncgear.drawings.scene.standing import views
 from ncgear.figures.numbers import shown
@@ -84,7 +84,14 @@ def scene_data(scene: Scene) -> dict[str, Any]:
         "loop": scene.loop_rad,
         "shafts": shaft_tables(scene),
         "gears": [_gear(gear, pair.module_mm) for pair in scene.pairs for gear in (pair.driving, pair.driven)],
-        "pairs": [_pair(pair) for pair in scene.pairs],
+        "pairs": [
+            {
+                "axes": [list(pair.mounting.driving_axis_mm), list(pair.mounting.driven_axis_mm)],
+                "sense": pair.mounting.mesh.sense,
+                "shaft": pair.shaft,
+            }
+            for pair in scene.pairs
+        ],
         "linkage": _linkage(scene),
         "chamber": scene.chamber and {name: getattr(scene.chamber, f"{name}_mm") for name in CHAMBER},
         "views": {name: list(box) for name, box in views(scene).items()},
@@ -183,14 +190,6 @@ def _places(points_mm: Array, module_mm: float) -> list[list[float]]:
 def _more(size: float) -> int:
     """Number of decimals that a size under 1 has more than a size of 1 or more."""
     return max(0, ceil(-log10(size)))
-
-
-def _pair(pair: ScenePair) -> dict[str, Any]:
-    return {
-        "axes": [list(pair.mounting.driving_axis_mm), list(pair.mounting.driven_axis_mm)],
-        "sense": pair.mounting.mesh.sense,
-        "shaft": pair.shaft,
-    }
 
 
 def _linkage(scene: Scene) -> dict[str, Any]:

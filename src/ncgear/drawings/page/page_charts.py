@@ -46,7 +46,6 @@ def charts_of_pair(drive: Drive, written: Iterable[Chart], cycle_rad: float) -> 
 
 
 def _strength(drive: Drive) -> list[Chart]:
-    """Loads and stresses of the teeth; empty where no strength is known."""
     rating = known_rating(drive)
     if not isinstance(rating, Rating):
         return []

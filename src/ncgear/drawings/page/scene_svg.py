@@ -132,7 +132,6 @@ def _body(body: Body, tolerance_mm: float, extra: str = "") -> str:
 
 
 def _marks(scene: Scene) -> Iterator[str]:
-    """Shafts, pins, lines of centres and pitch points."""
     for pair in scene.pairs:
         start, end = pair.mounting.driving_axis_mm, pair.mounting.driven_axis_mm
         yield f'<path class="centres" d="M{start[0]:.6g} {start[1]:.6g}L{end[0]:.6g} {end[1]:.6g}"/>'

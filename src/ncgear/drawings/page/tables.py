@@ -164,6 +164,5 @@ class ToothLinks:
 
 
 def _titled(table: Table) -> str:
-    """The gear that the title of a table names; empty where it names none."""
     found = re.search(r"\b(driving|driven)\b", table.title)
     return found[1] if found else ""

@@ -111,7 +111,6 @@ def draw_mesh(axes: Axes, pair: Assembled, half_mm: float, position: AssembledPo
 
 
 def _draw_turned(axes: Axes, pair: Assembled, position: AssembledPosition, line_width: float) -> None:
-    """Both gears in a position."""
     for gear, curve, color in (
         (Gear.DRIVING, pair.driving_mm, canvas.DRIVING),
         (Gear.DRIVEN, pair.driven_mm, canvas.DRIVEN),

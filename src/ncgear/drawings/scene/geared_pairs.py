@@ -174,8 +174,11 @@ def scene_pairs(drive: Drive, shape: Callable[[Drive, Gear], GearShape] = whole_
     pitches = [pair.pitch for pair in drive.by_stage]
     distances = [pitch.center_distance_mm for pitch in pitches]
     found = mountings([pitch.mesh for pitch in pitches], distances, _driving_axes_rad(gears, len(pitches)))
-    placed = zip(drive.by_stage, found, strict=True)
-    return tuple(_pair(pair, number, mounting, shape) for number, (pair, mounting) in enumerate(placed))
+    pairs = []
+    for number, (pair, mounting) in enumerate(zip(drive.by_stage, found, strict=True)):
+        driving, driven = (_gear(pair, gear, number, mounting, *shape(pair, gear)) for gear in Gear)
+        pairs.append(ScenePair(pair.pitch, pair.pitch.size.module_mm, mounting, driving, driven))
+    return tuple(pairs)
 
 
 def _driving_axes_rad(gears: Gears, count: int) -> list[float]:
@@ -187,14 +190,12 @@ def _driving_axes_rad(gears: Gears, count: int) -> list[float]:
     return [last + hand * (one - turned[-1]) for one in turned]
 
 
-def _pair(drive: Drive, number: int, mounting: Mounting, shape: Callable[[Drive, Gear], GearShape]) -> ScenePair:
-    driving, driven = (_gear(drive, gear, number, mounting, *shape(drive, gear)) for gear in Gear)
-    return ScenePair(drive.pitch, drive.pitch.size.module_mm, mounting, driving, driven)
-
-
 def _gear(drive: Drive, gear: Gear, number: int, mounting: Mounting, section: Polygon, edges: list[Array]) -> SceneGear:
     name = gear.value if drive.stage is None else f"{gear.value}-{drive.stage}"
-    body = Body(name, BodyKind(gear.value), _seen(section, mounting), tuple(map(mounting.seen, edges)))
+    outer, *holes = (mounting.seen(ring) for ring in rings(section))
+    # The outer contour comes first and counter-clockwise
+    contours = tuple(ring[:-1] for ring in rings(Polygon(outer, holes)))
+    body = Body(name, BodyKind(gear.value), contours, tuple(map(mounting.seen, edges)))
     points = drive.pitch.of(gear).drawn(CURVE_POINTS).position
     if drive.pitch.toothed is not None:
         # The straight sides from both ends to the axis lie on the line of centres at the end stops.
@@ -208,14 +209,7 @@ def _gear(drive: Drive, gear: Gear, number: int, mounting: Mounting, section: Po
 
 
 def _edges(plan: BodyPlan) -> list[Array]:
-    """The edges of pockets and hub on the upper face."""
     pockets = plan.web.pockets if plan.web else ()
     edges = [ring for pocket in pockets for ring in (pocket.exterior, *pocket.interiors)]
     hub = [circle_points(plan.hub.diameter_mm / 2.0, plan.chord_tolerance_mm)] if plan.hub else []
     return [np.asarray(ring.coords)[:-1] for ring in edges] + hub
-
-
-def _seen(section: Polygon, mounting: Mounting) -> tuple[Array, ...]:
-    """The contours of a section in the view of the scene, the outer one first and counter-clockwise."""
-    outer, *holes = (mounting.seen(ring) for ring in rings(section))
-    return tuple(ring[:-1] for ring in rings(Polygon(outer, holes)))

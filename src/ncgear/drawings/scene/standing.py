@@ -77,7 +77,6 @@ def walls_mm(scene: Scene) -> list[Array]:
 
 
 def _sides_mm(chamber: Chamber) -> tuple[float, float]:
-    """The levels of both sides."""
     half = chamber.height_mm / 2.0
     return chamber.linkage.offset_mm - half, chamber.linkage.offset_mm + half
 

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from enum import Enum, auto
 from math import degrees
 from typing import TYPE_CHECKING
 
 from ncgear.drivetrain.bearings import MOST_OF_RATING
 from ncgear.drivetrain.shafts import LEAST_SAFETY
 from ncgear.errors import NoSuchMechanism
-from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind, NotJudged, Remedy
+from ncgear.figures.advice.values import Advice, Kind, NotJudged, Remedy
 from ncgear.figures.numbers import five_digits, fixed, placed, to_digits
 from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
@@ -25,7 +24,7 @@ if TYPE_CHECKING:
 
 def around(drive: Drive) -> Iterator[Advice | NotJudged]:
     """What does not hold, with what would; raises as ``Drive.drivetrain`` does."""
-    yield from _of_bores(drive)
+    yield from of_bores(drive)
     found, given = drive.drivetrain, drive.design.drivetrain
     if given and given.flywheel_diameter_mm is not None and found.disc is None:
         what = "drivetrain.flywheel_diameter_mm is given, and no disc is needed: what turns has inertia enough"
@@ -45,13 +44,7 @@ def around(drive: Drive) -> Iterator[Advice | NotJudged]:
         )
 
 
-def before_teeth(drive: Drive) -> Iterator[Advice | NotJudged]:
-    """What the keys alone tell of it."""
-    yield from _of_bores(drive)
-    yield NotJudged(ONLY_TEETH)
-
-
-def _of_bores(drive: Drive) -> Iterator[Advice]:
+def of_bores(drive: Drive) -> Iterator[Advice]:
     """Shafts that are thinner than the bores in which they stand; thicker ones are refused by their key."""
     around, gears = drive.design.drivetrain, drive.design.gears
     for name in ("driving", "driven") if around and gears else ():
@@ -86,31 +79,26 @@ def motor_without_teeth(drive: Drive) -> Iterable[Advice | NotJudged]:
 
 
 def _behind_gearbox(drive: Drive) -> bool:
-    around = drive.design.drivetrain
-    return around is not None and around.motor is not None
+    return drive.design.drivetrain is not None and drive.design.drivetrain.motor is not None
 
 
 def _of_simulated(drive: Drive) -> Iterator[Advice]:
-    """The motor of the simulation that stops, or turns the machine at another speed than the wanted one."""
     from ncgear.project.motor import OFF_SPEED, fitting_simulated, steady_rad_s, told_words
 
-    def that_does() -> str:
-        return told_words(fitting_simulated(drive))
-
     if (stall := drive.motor_stall) is not None:
-        yield replace(_advice(str(stall), that_does(), Kind.MOTOR), brief=stall.brief)
+        yield replace(_advice(str(stall), told_words(fitting_simulated(drive)), Kind.MOTOR), brief=stall.brief)
         return
     try:
         runs = steady_rad_s(drive)
     except NoSuchMechanism as refusal:
-        yield _advice(refusal.problem.rpartition("; ")[0], that_does(), Kind.MOTOR)
+        yield _advice(refusal.problem.rpartition("; ")[0], told_words(fitting_simulated(drive)), Kind.MOTOR)
         return
     wanted = drive.machine.speed_rad_s
     if runs is not None and abs(runs / wanted - 1.0) > OFF_SPEED:
         yield _advice(
             f"with its motor the machine runs at {_rpm(runs)} r/min, not at operation.speed_rpm: {_rpm(wanted)}; all "
             "else is told for that speed",
-            that_does(),
+            told_words(fitting_simulated(drive)),
             Kind.MOTOR,
         )
 
@@ -166,7 +154,6 @@ def _of_bearings(name: str, found: ShaftResult, hours: float) -> Iterator[Advice
 
 
 def _dented(name: str, letter: str, most_n: float, safety: float | None, when: str = "") -> Iterator[Advice]:
-    """A bearing whose largest force is over its static rating."""
     if safety is not None and safety < 1.0:
         load = f"{fixed(most_n, 0)} N, more than its static load rating: it would be dented"
         helps = _at_least(f"drivetrain.{name}_shaft.bearing_{letter}.static_rating_n", most_n)
@@ -174,7 +161,6 @@ def _dented(name: str, letter: str, most_n: float, safety: float | None, when: s
 
 
 def _crushed(name: str, key: KeySafety | None, when: str = "") -> Iterator[Advice]:
-    """A key with more pressure on its sides than is allowed."""
     if key is not None and key.safety < 1.0:
         most, allowed = (fixed(pressure, 0) for pressure in (key.pressure_mpa, key.pressure_mpa * key.safety))
         longer = _at_least(f"drivetrain.{name}_shaft.key.length_mm", key.key.length_mm / key.safety)
@@ -206,7 +192,6 @@ def _thicker(name: str, enough_mm: float) -> str:
 
 
 def _of_jam(name: str, found: ShaftResult) -> Iterator[Advice]:
-    """What a jam dents, bends or shears."""
     jammed = found.jammed
     if jammed is None:
         return
@@ -223,30 +208,19 @@ def _of_jam(name: str, found: ShaftResult) -> Iterator[Advice]:
     yield from _crushed(name, found.jammed_key, "in a jam ")
 
 
-class MotorFault(Enum):
-    """What a motor behind a gearbox does not do."""
-
-    STOPS = auto()
-    HOT = auto()
-    WEAK = auto()
-    FAST = auto()
-    OFF_SPEED = auto()
-
-
-def _faults(found: MotorResult) -> set[MotorFault]:
-    """What the motor does not do with so much friction between the teeth."""
+def _faults(found: MotorResult) -> set[str]:
+    """What a motor behind a gearbox does not do, with so much friction between the teeth."""
     from ncgear.project.motor import OFF_SPEED
 
     given, course = found.given, found.course
     if found.stops:
-        return {MotorFault.STOPS}
+        return {"stops"}
     peak, turns = given.peak_torque_n_m, found.load.speed_rad_s / RAD_S_PER_RPM
     tests = {
-        MotorFault.HOT: found.rms_n_m > given.rated_torque_n_m,
-        MotorFault.WEAK: peak is not None and found.most_n_m > peak,
-        MotorFault.FAST: course is None and turns > (1.0 + OFF_SPEED) * given.rated_speed_rpm,
-        MotorFault.OFF_SPEED: course is not None
-        and abs(course.mean_rad_s / found.demand.speed_rad_s - 1.0) > OFF_SPEED,
+        "hot": found.rms_n_m > given.rated_torque_n_m,
+        "weak": peak is not None and found.most_n_m > peak,
+        "fast": course is None and turns > (1.0 + OFF_SPEED) * given.rated_speed_rpm,
+        "off speed": course is not None and abs(course.mean_rad_s / found.demand.speed_rad_s - 1.0) > OFF_SPEED,
     }
     return {fault for fault, true in tests.items() if true}
 
@@ -260,7 +234,7 @@ def _of_motor(drive: Drive, found: MotorResult, most: MotorResult) -> Iterator[A
 
     given, course, wanted_rad_s = found.given, found.course, found.demand.speed_rad_s
     faults = _faults(found) & _faults(most)
-    if MotorFault.STOPS in faults:
+    if "stops" in faults:
         helps = told_words(fitting_geared(drive.design, most))
         yield _advice(found.stops.rpartition("; ")[0], helps, Kind.MOTOR)
         return
@@ -272,7 +246,7 @@ def _of_motor(drive: Drive, found: MotorResult, most: MotorResult) -> Iterator[A
         return " and ".join(ends) + " there can be"
 
     rated, peak, largest = given.rated_torque_n_m, given.peak_torque_n_m, max(found.most_n_m, most.most_n_m)
-    if MotorFault.HOT in faults:
+    if "hot" in faults:
         needed = max(max(one.rms_n_m, N_M_PER_N_MM * one.load.rms_n_mm) for one in (found, most))
         # No file may give a peak torque below the rated one
         also = "" if peak is None or peak > needed else f" and {_at_least('peak_torque_n_m', max(largest, needed))}"
@@ -281,13 +255,13 @@ def _of_motor(drive: Drive, found: MotorResult, most: MotorResult) -> Iterator[A
             _at_least("drivetrain.motor.rated_torque_n_m", needed) + also + ", or a larger ratio or flywheel",
             Kind.MOTOR,
         )
-    if MotorFault.WEAK in faults:
+    if "weak" in faults:
         yield _advice(
             f"the motor gives up to {gives(found.most_n_m, most.most_n_m)}, more than its {peak:g} N m",
             _at_least("drivetrain.motor.peak_torque_n_m", largest),
             Kind.MOTOR,
         )
-    if MotorFault.FAST in faults:
+    if "fast" in faults:
         turns, rated_rpm = found.load.speed_rad_s / RAD_S_PER_RPM, given.rated_speed_rpm
         slower = given.gearbox.ratio * rated_rpm / turns
         yield _advice(
@@ -295,7 +269,7 @@ def _of_motor(drive: Drive, found: MotorResult, most: MotorResult) -> Iterator[A
             f"drivetrain.motor.gearbox.ratio: {shown_below(slower, 4)} or less",
             Kind.MOTOR,
         )
-    if course is not None and MotorFault.OFF_SPEED in faults:
+    if course is not None and "off speed" in faults:
         ratio = given.gearbox.ratio * course.mean_rad_s / wanted_rad_s
         yield _advice(
             f"with this motor and gearbox the machine runs at {_rpm(course.mean_rad_s)} r/min, not at "

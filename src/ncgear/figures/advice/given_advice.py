@@ -93,10 +93,6 @@ def _is_clear_of_undercut(pair: Drive) -> bool:
     return False
 
 
-def _are(names: list[str]) -> str:
-    return f"{listed(names, 'and')} {'is' if len(names) == 1 else 'are'}"
-
-
 def _idle_sections(drive: Drive) -> Iterator[Idle]:
     """The sections about gears and about teeth under load that nothing reads, by what their design lacks."""
     design = drive.design
@@ -122,7 +118,6 @@ def _idle_sections(drive: Drive) -> Iterator[Idle]:
 
 
 def _idle_keys(drive: Drive) -> Iterator[Idle]:
-    """Single keys that others make idle."""
     design, around = drive.design, drive.design.drivetrain
     rub, gears, masses = design.simulation.friction, design.gears, design.masses
     shafts = {f"drivetrain.{name}": getattr(around, name) for name in ("driving_shaft", "driven_shaft") if around}
@@ -210,7 +205,8 @@ def _presses_on_no_guide(drive: Drive) -> bool:
 
 
 def _idle(names: list[str], why: str, helps: str) -> Advice:
-    return _advice(f"{_are(names)} given {why}", f"no figure counts {'it' if len(names) == 1 else 'them'}", helps)
+    are, them = ("is", "it") if len(names) == 1 else ("are", "them")
+    return _advice(f"{listed(names, 'and')} {are} given {why}", f"no figure counts {them}", helps)
 
 
 def _advice(what: str, meaning: str, helps: str = "", *, matters: bool = True) -> Advice:

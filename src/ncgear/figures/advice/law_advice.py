@@ -69,7 +69,11 @@ def speeds(drive: Drive) -> Advice | None:
     operating, law = drive.design.operation.speed_rpm, drive.law_speed_rpm
     if abs(operating / law - 1.0) < SAME_SPEED:
         return None
-    held = speeds_at_work(drive)
+    unit, facts = drive.linkage.OUTPUT.speed, drive.law.stroke.facts if drive.law.stroke else {}
+    share, end = operating / law, f"_{unit.ending}"
+    given = {key.removesuffix(end): one for key, one in facts.items() if key.endswith(end) and isinstance(one, float)}
+    named = [f"{name} is {to_digits(share * one, 5)} {unit.text}" for name, one in given.items()]
+    held = " and ".join(named) or f"velocities are {to_digits(share, 3)} times as large"
     return Advice(
         Kind.SPEEDS,
         f"the law's velocities hold at {to_digits(law, 5)} r/min, and the machine runs at {operating:g} r/min",
@@ -77,15 +81,6 @@ def speeds(drive: Drive) -> Advice | None:
         matters=False,
         brief=f"at {operating:g} r/min {held}",
     )
-
-
-def speeds_at_work(drive: Drive) -> str:
-    """The velocities that a law states, as they are at the speed at which the machine runs, in words."""
-    unit, facts = drive.linkage.OUTPUT.speed, drive.law.stroke.facts if drive.law.stroke else {}
-    share, end = drive.design.operation.speed_rpm / drive.law_speed_rpm, f"_{unit.ending}"
-    given = {key.removesuffix(end): one for key, one in facts.items() if key.endswith(end) and isinstance(one, float)}
-    named = [f"{name} is {to_digits(share * one, 5)} {unit.text}" for name, one in given.items()]
-    return " and ".join(named) or f"velocities are {to_digits(share, 3)} times as large"
 
 
 def negative_resistance(drive: Drive, returning: bool) -> Advice | None:
@@ -173,28 +168,31 @@ def crank_pin(drive: Drive) -> list[Advice | NotJudged]:
     unknown = [
         gear for gear, _, radius in near if radius is None and not (gear is Gear.DRIVEN and drive.pitch.driven.is_ring)
     ]
+    wide = f"{drawn(2.0 * pin, 'mm')} mm"
+
+    def touched(apart_mm: float, where: str, what: str, cure: Remedy, beside: str = "") -> Advice:
+        passes = f"the crank pin passes {drawn(round(apart_mm, 2), 'mm')} mm from the {where}"
+        touches = f"a pin of {wide} diameter touches it{beside}"
+        return Advice(Kind.CRANK_PIN, passes, touches, (cure,), brief=f"a {wide} crank pin touches the {what}")
+
     return [
         *(
-            Advice(
-                Kind.CRANK_PIN,
-                f"the crank pin passes {drawn(round(passing[gear], 2), 'mm')} mm from the {gear.value} gear's axis, "
-                f"about which there is a {part} of {drawn(2.0 * radius, 'mm')} mm diameter",
-                f"a pin of {drawn(2.0 * pin, 'mm')} mm diameter touches it, where both are on the same side of the "
-                "gears",
-                (_below(drive, NO_MEETING) if gear is Gear.DRIVING else _beside_own_shaft(drive, part, radius, pin),),
-                brief=f"a {drawn(2.0 * pin, 'mm')} mm crank pin touches the {gear.value} gear's {part}",
+            touched(
+                passing[gear],
+                f"{gear.value} gear's axis, about which there is a {part} of {drawn(2.0 * radius, 'mm')} mm diameter",
+                f"{gear.value} gear's {part}",
+                _below(drive, NO_MEETING) if gear is Gear.DRIVING else _beside_own_shaft(drive, part, radius, pin),
+                ", where both are on the same side of the gears",
             )
             for gear, part, radius in near
             if radius is not None and passing[gear] < radius + pin
         ),
         *(
-            Advice(
-                Kind.CRANK_PIN,
-                f"the crank pin passes {drawn(round(one.distance_mm, 2), 'mm')} mm from the middle of the "
-                f"{one.standing.name}",
-                f"a pin of {drawn(2.0 * pin, 'mm')} mm diameter touches it",
-                (_thinner("crank pin", one.distance_mm - (one.standing.radius_mm or 0.0)),),
-                brief=f"a {drawn(2.0 * pin, 'mm')} mm crank pin touches the {one.standing.name}",
+            touched(
+                one.distance_mm,
+                f"middle of the {one.standing.name}",
+                one.standing.name,
+                _thinner("crank pin", one.distance_mm - (one.standing.radius_mm or 0.0)),
             )
             for one in drive.passings
             if one.part == CRANK_PIN and not one.standing.about_driving_axis
@@ -222,7 +220,6 @@ def _in_slot(drive: Drive, pin_mm: float) -> Iterator[Advice]:
 
 NO_BORE = NotJudged("a gear has no bore_mm, and so no shaft of known size")
 
-
 NO_MEETING = (
     "let the driving shaft end below the crank, carry the crank on the other side of the gears, or take another centre "
     "distance"
@@ -232,10 +229,8 @@ NO_MEETING = (
 def _thinner(part: str, room_mm: float) -> Remedy:
     """What is round has to be as thin as its room, or where there is none, to stand elsewhere."""
     if room_mm <= 0.0:
-        words = f"no {part} is thin enough, but one {drawn(-room_mm, 'mm')} mm farther off or more"
-        return Remedy(words, short=words)
-    words = f"make the {part} no more than {shown_below(2.0 * room_mm, 3)} mm thick"
-    return Remedy(words, short=words)
+        return Remedy(f"no {part} is thin enough, but one {drawn(-room_mm, 'mm')} mm farther off or more")
+    return Remedy(f"make the {part} no more than {shown_below(2.0 * room_mm, 3)} mm thick")
 
 
 def _beside_own_shaft(drive: Drive, part: str, radius_mm: float, pin_mm: float) -> Remedy:
@@ -248,8 +243,7 @@ def _beside_own_shaft(drive: Drive, part: str, radius_mm: float, pin_mm: float) 
         return _thinner(part, crank_mm - pin_mm)
     if radius_mm < crank_mm:
         return _thinner("crank pin", crank_mm - radius_mm)
-    words = f"take a crank of {shown_above(radius_mm + pin_mm, 3)} mm or more, or thinner parts"
-    return Remedy(words, short=words)
+    return Remedy(f"take a crank of {shown_above(radius_mm + pin_mm, 3)} mm or more, or thinner parts")
 
 
 def _below(drive: Drive, words: str) -> Remedy:
@@ -381,8 +375,7 @@ def optimised(drive: Drive, **limits: float | bool) -> tuple[Remedy, ...]:
     """
     own = (drive.design.optimize or Optimize()).limits
     given = {key: getattr(own, key) for key in limits if is_given(drive.design, f"optimize.limits.{key}")}
-    wider = [key for key, value in given.items() if not _as_tight(key, value, limits[key])]
-    if wider or not drive.linkage.RETURNS:
+    if not all(_as_tight(key, value, limits[key]) for key, value in given.items()) or not drive.linkage.RETURNS:
         return ()
     changes = changed({f"optimize.limits.{key}": value for key, value in limits.items() if key not in given})
     words = "let the best law within this limit be found" if changes else "let the best law within its limits be found"

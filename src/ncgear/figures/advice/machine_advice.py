@@ -154,12 +154,10 @@ def bodies(drive: Drive) -> Advice | None:
 
 ASK_BUILD = Remedy("let ncgear build say what would help", short="ncgear build")
 
-
 FIT = Remedy("let ncgear fit find the nearest pitch curve whose gears can be made", short="ncgear fit")
 
 
 def _nearest(drive: Drive) -> tuple[Remedy, ...]:
-    """The command that follows a drawn outline, where there is one."""
     return (FIT,) if drive.design.can_be_fitted else ()
 
 
@@ -167,14 +165,8 @@ WITHOUT_THEM = "what is told here is the motion without them"
 
 
 def _refused(refusal: DesignError, remedies: tuple[Remedy, ...], meaning: str = WITHOUT_THEM) -> Advice:
-    problem = refusal.problem
-    return Advice(
-        Kind.MADE,
-        f"a build refuses these gears: {problem}",
-        meaning,
-        remedies,
-        brief=f"a build refuses these gears: {problem}",
-    )
+    what = f"a build refuses these gears: {refusal.problem}"
+    return Advice(Kind.MADE, what, meaning, remedies, brief=what)
 
 
 NAMED = 3
@@ -221,8 +213,6 @@ def drawing(drive: Drive) -> Iterator[Advice]:
 
 
 def _of_unit(given: DxfContour, drawn_in: str, sides_mm: Sequence[float]) -> Advice:
-    """That the drawing names another unit, with the size by both."""
-
     def size(unit: str) -> str:
         return " by ".join(to_digits(UNIT_MM[unit] / given.unit_mm * one, 3) for one in sides_mm) + " mm"
 

@@ -27,7 +27,7 @@ from ncgear.project.strengthening import (
 )
 from ncgear.project.vibration import ToldVibration
 from ncgear.strength.film import Regime
-from ncgear.strength.holding import Damage, Weakest, face_width_factor, module_factor, worst
+from ncgear.strength.holding import Damage, face_width_factor, module_factor, worst
 from ncgear.strength.iso6336 import THINNEST_WEB
 from ncgear.strength.materials import Ferrous
 
@@ -55,7 +55,11 @@ def strength(drive: Drive) -> Advice | NotJudged | None:
     weak = [one for one in rating.weakest if not one.holds]
     first = worst(weak)
     at = degrees(first.phi1_rad)
-    also = [_least(one) for one in weak if one is not first]
+    also = [
+        f"{one.gear.value} gear, {one.damage.words}: {to_digits(one.safety, 2)} at tooth {one.tooth}"
+        for one in weak
+        if one is not first
+    ]
     load = LOADS["jam" if deciding_loads(drive, rating)[first.gear, first.damage] == "jam" else rating.strength.load]
     return Advice(
         Kind.STRENGTH,
@@ -66,9 +70,10 @@ def strength(drive: Drive) -> Advice | NotJudged | None:
         f"{'teeth break' if first.damage is Damage.BENDING else 'flanks pit'} before the wanted life ends; "
         "ncgear strength computes what would do",
         (
-            *_crowning(drive),
+            # Shafts tell what crowned flanks help
+            *((CROWNED,) if drive.face_loading.basis == "computed" else ()),
             *_sizes(drive, face_width_factor(rating.weakest), module_factor(rating.weakest)),
-            *_helix(drive),
+            *((HELICAL,) if may_be_helical(drive) else ()),
         ),
         brief=f"the teeth do not hold: safety {_under(first.safety, first.wanted)} against {first.damage.words}, "
         f"{first.wanted:g} wanted",
@@ -173,20 +178,9 @@ def _rough_remedies(drive: Drive, found: RoughStrength) -> tuple[Remedy, ...]:
     return tuple(one for one in sizes if one.short != SIZE) or (TOGETHER,)
 
 
-def _crowning(drive: Drive) -> tuple[Remedy, ...]:
-    """Flanks that fall back at both ends of the width, where the shafts tell what that helps."""
-    if drive.face_loading.basis != "computed":
-        return ()
-    return (Remedy("crown the flanks along the width", short="crowned flanks", search=RemedySearch.CROWNED),)
+CROWNED = Remedy("crown the flanks along the width", short="crowned flanks", search=RemedySearch.CROWNED)
 
-
-def _helix(drive: Drive) -> tuple[Remedy, ...]:
-    """Helical teeth, where they can be made."""
-    return (
-        (Remedy("cut helical teeth", short="helical teeth", search=RemedySearch.HELICAL),)
-        if may_be_helical(drive)
-        else ()
-    )
+HELICAL = Remedy("cut helical teeth", short="helical teeth", search=RemedySearch.HELICAL)
 
 
 def _sizes(drive: Drive, wider: float, larger: float) -> tuple[Remedy, ...]:
@@ -210,10 +204,6 @@ def _sizes(drive: Drive, wider: float, larger: float) -> tuple[Remedy, ...]:
         about = f"roughly {shown_above(width, 2)} mm"
         found.insert(0, Remedy(f"make the gears {about} wide", short=f"face width {about}", search=RemedySearch.WIDER))
     return tuple(found)
-
-
-def _least(one: Weakest) -> str:
-    return f"{one.gear.value} gear, {one.damage.words}: {to_digits(one.safety, 2)} at tooth {one.tooth}"
 
 
 def remedies(drive: Drive, rating: Rating) -> tuple[Remedy, ...]:
@@ -261,6 +251,9 @@ def flanks(drive: Drive) -> Iterator[Advice | NotJudged]:
         yield NotJudged(why)
 
 
+LARGER_GEARS = Remedy("take larger gears, which press their flanks less", short="larger gears")
+
+
 def _scuffing(film: Film, found: Surfaces, safety: float, wanted: float) -> Advice:
     told = shown_below(safety, 2)
     return Advice(
@@ -270,7 +263,7 @@ def _scuffing(film: Film, found: Surfaces, safety: float, wanted: float) -> Advi
         "flanks weld and tear where they slide under load, at once",
         (
             Remedy("take an oil of a higher FZG load stage", short="an oil of a higher FZG load stage"),
-            Remedy("take larger gears, which press their flanks less", short="larger gears"),
+            LARGER_GEARS,
         ),
         brief=f"the flanks scuff: safety {told}, {wanted:g} wanted",
     )
@@ -289,10 +282,7 @@ def _wear(wear: Wear, drive: Drive) -> Advice:
         f"{hours_words(wear.life_h)}",
         f"teeth get thin and the backlash grows by up to {to_digits(wear.play_mm, 2)} mm; wear is known to a factor of "
         "ten at best",
-        (
-            *cures,
-            Remedy("take larger gears, which press their flanks less", short="larger gears"),
-        ),
+        (*cures, LARGER_GEARS),
         brief=f"the flanks wear away: a tenth of the module in about {hours_words(wear.life_h)}, "
         f"{hours_words(wear.wanted_h)} wanted",
     )
@@ -334,13 +324,13 @@ def rough_vibration(drive: Drive) -> Iterator[Advice | NotJudged]:
 
 
 def _resonance(drive: Drive, told: ToldVibration | None) -> Iterator[Advice]:
-    if told is None or not told.resonates_deg or told.critical_rpm is None:
+    if told is None or not told.resonates_between_deg or told.critical_rpm is None:
         return
     speed, (low, high) = f"{drive.design.operation.speed_rpm:g} r/min", told.critical_rpm
-    where = stretches_words(told)
+    where, factor = stretches_words(told), to_digits(told.dynamic_factor, 2)
     yield Advice(
         Kind.VIBRATION,
-        f"the mesh resonates ({BAND}) {where} at {speed}: K_V is {to_digits(told.factor, 2)} at the largest load",
+        f"the mesh resonates ({BAND}) {where} at {speed}: K_V is {factor} at the largest load",
         "teeth part and hammer, and gears howl; K_V is least sure there, and is for gears that stay in the resonance",
         (
             Remedy(

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from math import degrees
 from typing import NamedTuple
@@ -28,8 +29,7 @@ from ncgear.project.alternatives import (
     steeper_rack,
 )
 from ncgear.project.drive import Drive
-from ncgear.project.jamming import Jamming, jamming_of
-from ncgear.project.tolerance_limits import MOST_JAMMED
+from ncgear.project.tolerance_limits import MOST_JAMMED, Jamming, jamming_of
 from ncgear.project.tooth_form import thickness_limits_mm
 from ncgear.teeth.gear import ToothedGear
 from ncgear.teeth.lost import Loss, shortening, undercutting
@@ -44,7 +44,6 @@ MEANINGS = {
     Limit.OTHER_MESH: "they would be too high for the gear's other mesh",
 }
 """Why tips of full height are shortened; undercut and pointed tips have advices of their own."""
-
 
 NEGLIGIBLE = 0.02
 """Share of the contact ratio that undercut or lower tips may cost before they matter: a few hundredths of a pitch,
@@ -77,29 +76,19 @@ def undercut(drive: Drive) -> Advice | None:
         meaning = f"the mating tips are shortened instead{tips}, so that all flanks are exact; the contact is shorter"
     what = f"undercut{'' if allowed else ' at full height'}: {_named(found)}"
     brief = f"{_counted(found)} {'are' if allowed else 'would be'} undercut"
-    told = ShorterContact(found if allowed else shorter, what, meaning, brief)
-    return _judged(drive, Kind.UNDERCUT, told, _ways_out_of_undercut)
+    told = _judged(drive, Advice(Kind.UNDERCUT, what, meaning, brief=brief), found if allowed else shorter)
+    return replace(told, remedies=_ways_out_of_undercut(drive)) if told.matters else told
 
 
-class ShorterContact(NamedTuple):
-    """The teeth whose contact is shorter, what is said of it, what it means where it matters, and that in brief."""
-
-    shorter: list[DamagedTeeth]
-    what: str
-    meaning: str
-    brief: str
-
-
-def _judged(drive: Drive, kind: Kind, told: ShorterContact, remedies: Callable[[Drive], tuple[Remedy, ...]]) -> Advice:
-    """The advice about what was found, or a remark where it costs next to no contact."""
-    shorter, what, meaning, brief = told
+def _judged(drive: Drive, told: Advice, shorter: list[DamagedTeeth]) -> Advice:
+    """What is told of teeth whose contact is shorter, as a remark where that costs hardly any contact."""
     cost = sum(one.loss.contact_pitches for one in shorter)
     if cost >= NEGLIGIBLE * drive.designed_contact.contact_ratio:
-        return Advice(kind, what, meaning, remedies(drive), brief=brief)
+        return told
     share = to_digits(100.0 * NEGLIGIBLE, 2)
     lost = f"at most {to_digits(cost, 2)} pitches of contact, less than {share} % of the contact ratio"
-    costs = f"it costs {lost if cost else 'no contact'} and does not matter"
-    return Advice(kind, what, costs, matters=False, brief=brief)
+    meaning = f"it costs {lost if cost else 'no contact'} and does not matter"
+    return replace(told, meaning=meaning, remedies=(), matters=False)
 
 
 def _ways_out_of_undercut(drive: Drive) -> tuple[Remedy, ...]:
@@ -126,13 +115,8 @@ def pointed(drive: Drive) -> Advice | None:
     what = f"shortened tips: at full height their lands would be under {least:g} modules wide; {_named(found)}"
     meaning = "a sharp tip chips when hardened and wears fast, so it ends lower; the contact is shorter for it"
     brief = f"the tips of {_counted(found)} are shortened: their lands would be under {least:g} modules wide"
-    return _judged(drive, Kind.POINTED, ShorterContact(found, what, meaning, brief), _ways_out_of_points)
-
-
-def _ways_out_of_points(drive: Drive) -> tuple[Remedy, ...]:
-    blunt = blunt_addendum(drive)
-    lower = (Remedy("make all teeth so low", changed(blunt)),) if blunt else ()
-    return (*lower, FINER)
+    lower = (Remedy("make all teeth so low", changed(blunt)),) if (blunt := blunt_addendum(drive)) else ()
+    return _judged(drive, Advice(Kind.POINTED, what, meaning, (*lower, FINER), brief=brief), found)
 
 
 def shortened(drive: Drive) -> list[Advice]:
@@ -143,18 +127,10 @@ def shortened(drive: Drive) -> list[Advice]:
         if found:
             what = f"shortened tips: at full height {words}; {_named(found)}"
             brief = f"the tips of {_counted(found)} are shortened: {words.partition(',')[0]}"
-            told = ShorterContact(found, what, "the contact of these teeth is shorter", brief)
-            ways_out = _ways_out_of_jumps if reason is Limit.HELIX else _ways_out_of_shortening
-            advices.append(_judged(drive, Kind.SHORTENED, told, ways_out))
+            ways_out = (FLATTER if reason is Limit.HELIX else FINER,)
+            told = Advice(Kind.SHORTENED, what, "the contact of these teeth is shorter", ways_out, brief=brief)
+            advices.append(_judged(drive, told, found))
     return advices
-
-
-def _ways_out_of_shortening(_: Drive) -> tuple[Remedy, ...]:
-    return (FINER,)
-
-
-def _ways_out_of_jumps(_: Drive) -> tuple[Remedy, ...]:
-    return (FLATTER,)
 
 
 def _lowered(gear: ToothedGear, reason: Limit) -> Mask:
@@ -177,7 +153,6 @@ def _found(
 
 
 def _counted(found: list[DamagedTeeth]) -> str:
-    """How many teeth were found."""
     numbers = " and ".join(f"{len(one.teeth)} {one.gear}" for one in found)
     return f"{numbers} {'tooth' if numbers.startswith('1 ') and len(found) == 1 else 'teeth'}"
 
@@ -264,7 +239,7 @@ SPREAD = Remedy("smaller bends, or bends to both sides, spread the row", short="
 
 def room(drive: Drive) -> list[Advice]:
     """Gears of a row that do not mesh, and meet somewhere in the turn."""
-    meeting = (one for one in drive.whole.row_room if one.least_mm <= 0.0)
+    meeting = (one for one in drive.whole.row_room if one.least_distance_mm <= 0.0)
     names = ((f"{one.first} and {one.second}".replace("_", " "), placed(degrees(one.at_rad))) for one in meeting)
     what = [f"{gears} meet at phi1 = {place} deg" for gears, place in names]
     return [Advice(Kind.ROOM, said, "the row cannot turn past there", (SPREAD,), brief=said) for said in what]
@@ -308,7 +283,6 @@ def jams(drive: Drive) -> Advice | NotJudged | None:
 
 
 def _made(found: Jamming) -> str:
-    """By what tolerances the gears are made."""
     return "made as tolerances says" if found.process is None else f"{found.process} as usual"
 
 
@@ -337,17 +311,3 @@ def index_holes(drive: Drive) -> Advice | NotJudged | None:
     without = Remedy("do without, and mark a tooth and its space by hand", (Change("gears.index_holes", value=False),))
     meaning = "nothing on them shows which teeth go together"
     return Advice(Kind.INDEX_HOLES, what, meaning, (*room, without), brief=what)
-
-
-JUDGES: dict[Kind, Callable[[Drive], Advice | NotJudged | Iterable[Advice] | None]] = {
-    Kind.ROOM: room,
-    Kind.JAMS: jams,
-    Kind.CONTACT_RATIO: contact_ratio,
-    Kind.INDEX_HOLES: index_holes,
-    Kind.UNDERCUT: undercut,
-    Kind.POINTED: pointed,
-    Kind.SHORTENED: shortened,
-    Kind.THRUST: thrust,
-    Kind.IDLE_FLANKS: idle_flanks,
-}
-"""What judges the conditions of teeth."""

@@ -79,28 +79,8 @@ def _gears(drive: Drive) -> bool:
     return drive.design.gears is not None
 
 
-def _crank(drive: Drive) -> bool:
-    return _gears(drive) and drive.turns_crank and drive.linkage.RETURNS
-
-
-def _beside(drive: Drive) -> bool:
-    return _gears(drive) and drive.moves_output and bool(drive.linkage.rod_lines_mm)
-
-
 def _loaded(drive: Drive) -> bool:
     return _gears(drive) and (drive.design.resistance is not None or drive.design.masses is not None)
-
-
-def _toothed(drive: Drive) -> bool:
-    return _gears(drive) and drive.design.loads_teeth
-
-
-def _ring(drive: Drive) -> bool:
-    return _gears(drive) and drive.gears.mesh == "internal"
-
-
-def _helical(drive: Drive) -> bool:
-    return _gears(drive) and drive.helix is not None
 
 
 def _motor(drive: Drive) -> bool:
@@ -110,17 +90,14 @@ def _motor(drive: Drive) -> bool:
     return followed and (design.simulation.motor is not None or (around is not None and around.motor is not None))
 
 
-def _wishes(drive: Drive) -> bool:
-    return bool(drive.outcomes)
-
-
 def _of_teeth(kind: Kind) -> Judge:
-    """What judges teeth; a check does not need the modules that make them, which are slow to import."""
+    """The function of ``teeth_advice`` that has the kind's name; a check does not load that module, which is slow."""
 
     def judge(drive: Drive) -> Found | Iterable[Found]:
-        from ncgear.figures.advice.teeth_advice import JUDGES
+        from ncgear.figures.advice import teeth_advice
 
-        return JUDGES[kind](drive)
+        judged: Found | Iterable[Found] = getattr(teeth_advice, kind.value)(drive)
+        return judged
 
     return judge
 
@@ -130,7 +107,12 @@ CONDITIONS: dict[Kind, Condition] = {
         "making the gears", "the gears can be made", _gears, machine_advice.bodies, TEETH, machine_advice.made
     ),
     Kind.STRENGTH: Condition(
-        "strength", "the teeth hold their load", _toothed, strength_advice.strength, TEETH, strength_advice.rough
+        "strength",
+        "the teeth hold their load",
+        lambda drive: _gears(drive) and drive.design.loads_teeth,
+        strength_advice.strength,
+        TEETH,
+        strength_advice.rough,
     ),
     Kind.FLANKS: Condition(
         "film and wear", "flanks neither scuff nor wear away", _loaded, strength_advice.flanks, TEETH
@@ -172,13 +154,13 @@ CONDITIONS: dict[Kind, Condition] = {
     Kind.CRANK_PIN: Condition(
         "crank pin",
         "the crank pin, as thick as the file says or else as the shaft of its crank, passes shafts and hubs",
-        _crank,
+        lambda drive: _gears(drive) and drive.turns_crank and drive.linkage.RETURNS,
         lambda drive: (*law_advice.crank_pin(drive), law_advice.pin_beside_hub(drive)),
     ),
     Kind.ROD: Condition(
         "rods",
         "the rods, as wide as fit.rod_width_mm says or else their centre lines, pass what stands in their plane",
-        _beside,
+        lambda drive: _gears(drive) and drive.moves_output and bool(drive.linkage.rod_lines_mm),
         law_advice.rods,
     ),
     Kind.MOTOR: Condition(
@@ -196,11 +178,15 @@ CONDITIONS: dict[Kind, Condition] = {
         lambda drive: drive.design.drivetrain is not None,
         drivetrain_advice.around,
         TEETH,
-        drivetrain_advice.before_teeth,
+        lambda drive: (*drivetrain_advice.of_bores(drive), NotJudged(ONLY_TEETH)),
         of_pair=False,
     ),
     Kind.MISSED_WISH: Condition(
-        "wishes", "the motion keeps every hard wish", _wishes, machine_advice.missed_wishes, of_pair=False
+        "wishes",
+        "the motion keeps every hard wish",
+        lambda drive: bool(drive.outcomes),
+        machine_advice.missed_wishes,
+        of_pair=False,
     ),
     Kind.SPEEDS: Condition(
         "speed",
@@ -249,8 +235,15 @@ CONDITIONS: dict[Kind, Condition] = {
     Kind.POINTED: Condition("points", "no tip is pointed", _gears, _of_teeth(Kind.POINTED), TEETH),
     Kind.SHORTENED: Condition("tips", "tips have their height", _gears, _of_teeth(Kind.SHORTENED), TEETH),
     Kind.CONCAVE: Condition("hob", "no pitch curve is concave", _gears, law_advice.concave),
-    Kind.RING: Condition("ring", "no gear is internal", _ring, law_advice.ring),
-    Kind.THRUST: Condition("thrust", "no thrust loads the shafts", _helical, _of_teeth(Kind.THRUST)),
+    Kind.RING: Condition(
+        "ring", "no gear is internal", lambda drive: _gears(drive) and drive.gears.mesh == "internal", law_advice.ring
+    ),
+    Kind.THRUST: Condition(
+        "thrust",
+        "no thrust loads the shafts",
+        lambda drive: _gears(drive) and drive.helix is not None,
+        _of_teeth(Kind.THRUST),
+    ),
     Kind.IDLE_FLANKS: Condition(
         "idle flanks",
         "idle flanks hold as pushing ones do",
@@ -299,11 +292,6 @@ class Verdict:
     def warnings(self) -> list[Advice]:
         """What matters."""
         return [advice for advice in self.advices if advice.matters]
-
-    @property
-    def remarks(self) -> list[Advice]:
-        """What does not matter."""
-        return [advice for advice in self.advices if not advice.matters]
 
     def lines(self, *, matter: bool) -> list[str]:
         """The sentences of warnings, or of remarks; where several pairs are judged, each names its pair."""
@@ -428,17 +416,12 @@ def _within_what_is_asked(advice: Advice, design: Design) -> Advice:
     kept = [
         remedy
         for remedy in advice.remedies
-        if not any(map(_is_asked, _overwritten(remedy, design)))
+        if all(key.partition(".")[0] in MEANS for key in _overwritten(remedy, design))
         and is_accepted(design, {change.key: change.value for change in remedy.changes})
     ]
     kept.sort(key=lambda remedy: not remedy.changes or bool(_overwritten(remedy, design)))
     return replace(advice, remedies=tuple(kept))
 
 
-def _is_asked(key: str) -> bool:
-    return key.partition(".")[0] not in MEANS
-
-
 def _overwritten(remedy: Remedy, design: Design) -> list[str]:
-    """The keys of a remedy's changes that the file gives."""
     return [change.key for change in remedy.changes if is_given(design, change.key)]

@@ -112,7 +112,12 @@ def faults_of(verdict: Verdict) -> tuple[Fault, ...]:
 
 def answer_text(answer: Answer, paths: Sequence[Path] = (), kept: Sequence[Path] = ()) -> str:
     """The answer on one screen, with the files written and the kept files of others."""
-    last = [line for end in (*_written(paths), *_kept(kept), _next(answer.then)) for line in _wrapped(end)]
+    then = f"Next: {answer.then}" if answer.then else "More: "
+    told = f"{then}; {MORE}" if answer.then else f"{then}{MORE}"
+    start = "Kept under a new name, since ncgear had not written them so: "
+    of_others = [_listed(start, [path.name for path in kept])] if kept else []
+    ends = *_written(paths), *of_others, told if len(told) <= COLUMNS else then
+    last = [line for end in ends for line in _wrapped(end)]
     return "\n\n".join(
         "\n".join(block)
         for block in [*_blocks(answer, LINES - len(last), list(map(_fault, answer.faults))), last]
@@ -122,7 +127,11 @@ def answer_text(answer: Answer, paths: Sequence[Path] = (), kept: Sequence[Path]
 
 def whole_answer(answer: Answer) -> list[list[str]]:
     """Blocks of lines of the answer with all that would help: nothing is left out, however many lines that takes."""
-    return _blocks(answer, MANY, [_fault_in_full(fault) for fault in answer.faults])
+    told = [
+        (_wrapped(fault.what, INDENT), [line for cure in fault.cures for line in _wrapped(f"-> {cure}", 2 * INDENT)])
+        for fault in answer.faults
+    ]
+    return _blocks(answer, MANY, told)
 
 
 def _blocks(answer: Answer, lines: int, told: Sequence[Told]) -> list[list[str]]:
@@ -133,26 +142,17 @@ def _blocks(answer: Answer, lines: int, told: Sequence[Told]) -> list[list[str]]
     # What helps against the most serious is told before the last figures, against others only where room is left
     needed = min(sum(len(what) for what, _ in told), FAULTS) + sum(len(below) for _, below in told[:1])
     left = lines - len(top) - bool(answer.heads) - len(unknown) - 3
-    figures = _with_room(answer, left - needed - 1)
+    # The first rows are the most telling
+    tried = (_aligned(replace(answer, rows=answer.rows[:count])) for count in range(len(answer.rows), 0, -1))
+    room = left - needed - 1 + bool(answer.heads)
+    figures = next((lines for lines in tried if len(lines) <= room), [])
     wrong = _wrong(answer, told, left - max(len(figures) - bool(answer.heads), 0) - 1)
     return [top, figures, [*wrong, *unknown]]
-
-
-def _next(then: str) -> str:
-    """What to do next and, where there is room, how to see more."""
-    line = f"Next: {then}; {MORE}" if then else f"More: {MORE}"
-    return line if len(line) <= COLUMNS else f"Next: {then}"
 
 
 def _wrapped(text: str, indent: str = "") -> list[str]:
     """A text in lines that are not too long, however many it takes: what is told is told to its end."""
     return wrap(text, COLUMNS, initial_indent=indent, subsequent_indent=indent + INDENT, break_on_hyphens=False)
-
-
-def _with_room(answer: Answer, room: int) -> list[str]:
-    """The lines of as many rows as have room below the heads; the first rows are the most telling."""
-    tried = (_aligned(replace(answer, rows=answer.rows[:count])) for count in range(len(answer.rows), 0, -1))
-    return next((lines for lines in tried if len(lines) - bool(answer.heads) <= room), [])
 
 
 def _aligned(answer: Answer) -> list[str]:
@@ -204,10 +204,6 @@ def _fault(fault: Fault) -> Told:
     return next((([line], []) for line in lines if len(line) <= COLUMNS), (_wrapped(fault.what, INDENT), below))
 
 
-def _fault_in_full(fault: Fault) -> Told:
-    return _wrapped(fault.what, INDENT), [line for cure in fault.cures for line in _wrapped(f"-> {cure}", 2 * INDENT)]
-
-
 OPENED = (
     "report.html",
     "tooth_pair.png",
@@ -222,23 +218,14 @@ OPENED = (
 
 
 def _written(paths: Sequence[Path]) -> list[str]:
-    """Where the files are, and the names of the first."""
-    if not paths:
-        return []
-    if len(paths) == 1:
-        return [f"Written: {paths[0]}"]
+    if len(paths) < 2:
+        return [f"Written: {path}" for path in paths]
     folder = Path(os.path.commonpath([path.parent for path in paths]))
     names = [path.relative_to(folder).as_posix() for path in paths]
     plain = [name for name in names if name.endswith(".yaml") and "/" not in name]
     first = [*plain, *(name for name in OPENED if name in names)]
     where = "Written: " if folder == Path() else f"Written to {folder}: "
     return [_listed(where, [*first, *(name for name in names if name not in first)])]
-
-
-def _kept(kept: Sequence[Path]) -> list[str]:
-    if not kept:
-        return []
-    return [_listed("Kept under a new name, since ncgear had not written them so: ", [path.name for path in kept])]
 
 
 def _listed(start: str, names: Sequence[str]) -> str:

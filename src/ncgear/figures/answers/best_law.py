@@ -68,7 +68,6 @@ def _limit(best: BestLaw) -> str:
 
 
 def _in_unit(best: BestLaw, goal: float) -> str:
-    """A value of the goal with its unit."""
     return f"{shown(goal)} {'' if best.wishes.goal is Goal.WEIGHTED else unit_of_goal(best)}".rstrip()
 
 
@@ -161,9 +160,7 @@ def _without_masses(best: SoughtMachine) -> list[Row]:
 
 
 def _lost(beside: SoughtMachine) -> tuple[Fault, ...]:
-    """What of the motion as given is not kept."""
-    lost = beside.not_kept
-    return (Fault(f"not kept of the design as given: {lost}"),) if lost else ()
+    return (Fault(f"not kept of the design as given: {beside.not_kept}"),) if beside.not_kept else ()
 
 
 def frontier_answer(found: Frontier, beside: SoughtMachine, then: str) -> Answer:
@@ -201,9 +198,7 @@ def flywheel_answer(found: Sequence[FlywheelPoint], design: Design) -> Answer:
     rows = []
     for one in found:
         gap = f"{fixed(100.0 * (one.law.peak_power_w / one.limit_w - 1.0), 1)} %" if one.limit_w > 0.0 else "-"
-        powers = [
-            figure(key, power) for key, power in (("peak_power_w", one.limit_w), ("peak_power_w", one.law.peak_power_w))
-        ]
+        powers = [figure("peak_power_w", power) for power in (one.limit_w, one.law.peak_power_w)]
         braking, ratio = one.law.braking_power_w, f"{fixed(one.law.ratio_min, 3)} to {fixed(one.law.ratio_max, 3)}"
         texts = (*powers, gap, figure("braking_power_w", braking), ratio)
         rows.append(Row(figure("driven_flywheel_kg_m2", KG_M2 * one.flywheel_kg_mm2), texts))

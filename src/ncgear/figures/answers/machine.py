@@ -49,7 +49,6 @@ def build_answer(drive: Drive, verdict: Verdict, then: str, notes: tuple[str, ..
 
 
 def _answer(drive: Drive, rows: tuple[Row, ...], verdict: Verdict, then: str, notes: tuple[str, ...]) -> Answer:
-    """The answer about a machine: its figures beside the even crank's, other ``rows``, and the verdict."""
     return Answer(
         head_of(drive),
         (*compared_rows(drive), *rows),
@@ -87,13 +86,10 @@ def compared_rows(drive: Drive) -> list[Row]:
     returns = drive.linkage.RETURNS
     own, uniform = (peak_figures(one, returns=returns) for one in (drive.check, drive.uniform_check))
     powered = _is_powered(drive)
-    keys = [
-        key
+    rows = [
+        Row(name_of(key), (*row(key, own[key], uniform[key]).texts, difference(own[key], uniform[key])))
         for key in own
         if not key.endswith("_at_rad") and key not in IN_FULL and (powered or not key.endswith("_power_w"))
-    ]
-    rows = [
-        Row(name_of(key), (*row(key, own[key], uniform[key]).texts, difference(own[key], uniform[key]))) for key in keys
     ]
     # Where the largest acceleration is in the working stroke, its own row would say the same once more.
     texts = [one.texts for one in rows]
@@ -102,13 +98,10 @@ def compared_rows(drive: Drive) -> list[Row]:
 
 
 def _masses(drive: Drive) -> Facts:
-    """How masses count in power, where that is to be told."""
-    note = masses_note(drive)
-    return [("masses", note)] if note else []
+    return [("masses", note)] if (note := masses_note(drive)) else []
 
 
 def _published(drive: Drive) -> list[Row]:
-    """Published mechanisms at the same speed, whose peak power is known."""
     found = [one for one in comparison_rows(drive)[2:] if one["same_speed"] and one["peak_power_w"] is not None]
     own = drive.check.peak_power_resistance_w.value
     alone, rows = " of the resistance alone" if drive.check.with_masses else "", []
@@ -179,7 +172,6 @@ TOGETHER = {
 
 
 def _gears(drive: Drive) -> list[Row]:
-    """The gears of a pair, how they touch, and whether they hold."""
     found, rows = safeties(drive), gear_rows(drive)
     if found is not None:
         held = [f"{safety} against {damage} ({wanted} wanted)" for damage, safety, wanted in found]

@@ -77,8 +77,8 @@ def simulated_answer(drive: Drive, level: Level, figures: Mapping[str, Any], ver
             rows += [row(key, loaded[key]) for key in LOADED] + _not_followed(band)
         case Level.DYNAMIC:
             sections = drive.linkage.OUTPUT.name.replace(" ", "_"), "bearings"
-            told = [_told(figures[section]) for section in sections]
-            rows = [one for part in told for one in part]
+            told = (one for section in sections for one in figures[section].items())
+            rows = [row(key, value) for key, value in told if not key.endswith(PLACE)]
             rows += [row(key, figures["motion_in_time"][key]) for key in MOVED]
             rows += _not_followed(figures["band_of_stiffness"])
     after = AFTER[level if drive.design.stages == 1 else Level.DYNAMIC]
@@ -114,10 +114,6 @@ def _beside(key: str, own: float, other: float | None) -> Row:
     """A figure of both machines; of a torque that brakes, which has a sign, no difference is told."""
     told = "" if other is None or own < 0.0 or other < 0.0 else difference(own, other)
     return Row(name_of(key), (figure(key, own), figure(key, other), told))
-
-
-def _told(section: Mapping[str, Any]) -> list[Row]:
-    return [row(key, value) for key, value in section.items() if not key.endswith(PLACE)]
 
 
 def _around(found: Mapping[str, Any]) -> list[Row]:

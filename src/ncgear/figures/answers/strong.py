@@ -14,7 +14,7 @@ from ncgear.figures.answers.machine import gear_rows
 from ncgear.figures.flanks import surfaces_rows, vibration_of_rating, vibration_words
 from ncgear.figures.numbers import shown, teeth_words, to_digits
 from ncgear.figures.quantities import figure, name_of
-from ncgear.figures.sized import parts_that_fail, sized_rows
+from ncgear.figures.sized import parts_that_fail, sized_row
 from ncgear.figures.strong import (
     DECIDING,
     HEADS,
@@ -80,7 +80,6 @@ def strength_answer(
 
 
 def _rows(of: str, rating: Rating, beside: Rating | None) -> list[Row]:
-    """The weakest tooth of each gear for each kind of damage."""
     found = []
     for place, one in enumerate(rating.weakest):
         gear, damage, *cells = weakest_cells(one, rating.strength.wears)
@@ -91,7 +90,6 @@ def _rows(of: str, rating: Rating, beside: Rating | None) -> list[Row]:
 
 
 def _about(drive: Drive, rating: Rating) -> list[Row]:
-    """The gears, their largest force, and how they touch under load."""
     loading, strength, error = rating.loading, rating.strength, "transmission_error_rad"
     told, force = vibration_of_rating(drive, rating), figure("force_n", strength.peak_pair_n)
     under_load = "not judged, because only a jam presses the teeth"
@@ -161,7 +159,7 @@ def sized_answer(
     return Answer(
         f"{design.name}: the smallest gears that hold at {design.operation.speed_rpm:g} r/min, by the estimate",
         (
-            *(Row(f"module {cells[0]} mm", tuple(cells[1:])) for cells in sized_rows(found)),
+            *(Row(f"module {cells[0]} mm", tuple(cells[1:])) for cells in map(sized_row, found)),
             Row("material", (materials_words(first.drive, strength),)),
             Row("wanted", (f"safeties of {listed(wanted, 'and')}",)),
             Row("first", (", ".join(map(str, changed(first.changes))),)),

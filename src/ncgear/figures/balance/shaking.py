@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import combinations
-from math import degrees
+from math import degrees, radians
 from typing import Any
 
 from ncgear.balance.counterweights import least_squares, minimax, sweep
-from ncgear.balance.excitation import Excitation, margins, of_engine, of_shaft, of_slider
+from ncgear.balance.excitation import Engine, Excitation, Shaft, margins, of_engine, of_shaft, of_slider
 from ncgear.balance.frame import (
+    Chassis,
     Crank,
     Mounted,
     best_phase,
@@ -34,14 +35,7 @@ from ncgear.balance.waveform import Statistics
 from ncgear.design.keys import balance as keys
 from ncgear.errors import below
 from ncgear.numerics.units import N_M_PER_N_MM
-from ncgear.project.balancing import (
-    Balancing,
-    chassis_of,
-    crank_counterweight,
-    engines_of,
-    joint_masses_of,
-    shafts_of,
-)
+from ncgear.project.balancing import Balancing, crank_counterweight, joint_masses_of
 from ncgear.ratio.laws.uniform import uniform_law
 
 EVEN = 1e-12
@@ -169,7 +163,6 @@ def _sweep(asked: keys.Sweep, mechanism: DrivenCrank) -> list[dict[str, float]]:
 
 
 def _track(of: Track) -> dict[str, float]:
-    """The size of the track of the centre of mass."""
     return {"track_along_mm": of.extent_mm[0], "track_across_mm": of.extent_mm[1], "track_area_mm2": of.area_mm2}
 
 
@@ -197,7 +190,6 @@ def frame_figures(balancing: Balancing) -> dict[str, Any]:
 
 
 def _sweep_of_machine(asked: keys.Sweep, mounted: list[Mounted], moved: int) -> list[dict[str, float]]:
-    """The counterweights of one mechanism, tried while all other mechanisms run."""
     tried = frame_sweep(mounted, moved, crank_counterweight(asked), asked.masses_kg)
     return [
         {
@@ -226,7 +218,6 @@ def _pairs(balancing: Balancing) -> list[dict[str, Any]]:
 
 
 def _massive(one: Mounted) -> bool:
-    """Whether the mechanism has both a reciprocating and a rotating mass."""
     joints = joint_masses(one.mechanism.linkage, one.mechanism.masses)
     return joints.reciprocating_kg != 0.0 and joints.rotating_kg != 0.0
 
@@ -247,7 +238,7 @@ def chassis_figures(balancing: Balancing) -> dict[str, Any]:
     asked = balancing.balance.chassis
     assert asked is not None
     number = [one.name for one in balancing.balance.mechanisms].index(asked.mechanism)
-    chassis = chassis_of(asked)
+    chassis = Chassis(asked.support_mm, asked.counterweight_mm, radians(asked.tilt_deg))
     found = dynamic_counterweights(chassis, balancing.mounted[number].mechanism)
     static = static_counterweight_kg(chassis, asked.slider_kg, asked.weight_kg, asked.weight_lever_mm)
     return {
@@ -266,9 +257,11 @@ def excitations_of(balancing: Balancing) -> list[Excitation]:
     asked = balancing.balance.excitations
     assert asked is not None
     named = zip(balancing.balance.mechanisms, balancing.mounted, strict=True)
+    engines = (Engine(of.name, of.speed_rpm, of.cylinders, of.strokes, of.inertia_order) for of in asked.engines)
+    shafts = (Shaft(of.name, of.speed_rpm, of.rollers, of.teeth, of.roller_ratio) for of in asked.shafts)
     return [
-        *(one for engine in engines_of(asked) for one in of_engine(engine)),
-        *(one for shaft in shafts_of(asked) for one in of_shaft(shaft)),
+        *(one for engine in engines for one in of_engine(engine)),
+        *(one for shaft in shafts for one in of_shaft(shaft)),
         *(h for given, one in named if asked.harmonics for h in of_slider(given.name, one.mechanism, asked.harmonics)),
     ]
 
@@ -278,14 +271,6 @@ def excitation_figures(balancing: Balancing) -> list[dict[str, Any]]:
     asked = balancing.balance.excitations
     assert asked is not None
     return [
-        {
-            "source": one.excitation.source,
-            "kind": one.excitation.kind,
-            "frequency_hz": one.excitation.frequency_hz,
-            "amplitude_m_s2": one.excitation.amplitude,
-            "nearest_natural_hz": one.natural_hz,
-            "ratio": one.ratio,
-            "near": one.near,
-        }
+        {**vars(one.excitation), "nearest_natural_hz": one.nearest_natural_hz, "ratio": one.ratio, "near": one.near}
         for one in margins(excitations_of(balancing), asked.natural_hz, asked.band)
     ]

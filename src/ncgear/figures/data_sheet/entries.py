@@ -56,9 +56,7 @@ def tolerances(drive: Drive) -> tuple[SheetEntry, ...]:
     given, gears, lead = drive.gears.tolerances, drive.gears, drive.gears.lead
     pin = gears.driven.crank_pin
     pinned = None if pin is None else hole_text(given.crank_pin_fit, pin.diameter_mm)
-    driving, driven = (
-        None if body.bore_mm is None else bore_text(drive, body.bore_mm) for body in (gears.driving, gears.driven)
-    )
+    bores = [body.bore_mm and bore_text(drive, body.bore_mm) for body in (gears.driving, gears.driven)]
     rows = (
         SheetEntry("standard", pair=given.standard or None),
         SheetEntry("accuracy grade", pair=given.grade or None),
@@ -68,7 +66,7 @@ def tolerances(drive: Drive) -> tuple[SheetEntry, ...]:
         SheetEntry("lower deviation of tooth thickness", "mm", pair=given.tooth_thickness_lower_mm),
         SheetEntry("upper deviation of tooth thickness", "mm", pair=given.tooth_thickness_upper_mm),
         SheetEntry("deviation of the centre distance", "mm", pair=distance_text(drive)),
-        SheetEntry("fit of the bore", "mm", driving=driving, driven=driven),
+        of_both("fit of the bore", bores),
         SheetEntry("fit of the crank pin's hole", "mm", driven=pinned),
         SheetEntry("fit of the index hole", pair=given.index_hole_fit if gears.index_holes else None),
         SheetEntry("sizes without a tolerance", pair=general_text(drive)),
@@ -129,7 +127,6 @@ def bodies(drive: Drive) -> tuple[SheetEntry, ...]:
 
 
 def _each(both: Iterable[object], name: str) -> list[Any]:
-    """What each gear has under a name."""
     return [getattr(one, name) for one in both]
 
 
@@ -139,7 +136,6 @@ def _sizes(parts: Iterable[Any], *names: str) -> list[Value]:
 
 
 def _given(rows: Iterable[SheetEntry]) -> tuple[SheetEntry, ...]:
-    """The rows that say something."""
     return tuple(row for row in rows if row.of_pair or row.driving or row.driven)
 
 

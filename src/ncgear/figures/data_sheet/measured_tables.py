@@ -1,18 +1,25 @@
-"""The tables of a data sheet for a workshop: over pins and over teeth with a caliper, and which tools cut a gear."""
+"""Tables of a data sheet for a workshop: pins, teeth with a caliper, tools that cut a gear, band of tooth thickness."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from math import floor
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ncgear.figures.numbers import drawn, shown
+from ncgear.figures.quantities import told
 from ncgear.figures.tables import Column, Table, Value, cell_text, columns_of
 from ncgear.metrology.cut_by import CutBy
-from ncgear.metrology.pins import Misfit, Pins, TwoPins, over_two_pins
+from ncgear.metrology.pins import Misfit, TwoPins, over_two_pins
 from ncgear.metrology.span import MeasuredSpans
+from ncgear.project.drive import Drive
 from ncgear.project.workshop_measures import CutGear, GearMeasures
+from ncgear.teeth.backlash import Play
+
+if TYPE_CHECKING:
+    from ncgear.project.thickness import AtThickness
 
 SPACE = Column("space after tooth")
 
@@ -35,14 +42,23 @@ def pin_tables(gear: GearMeasures) -> tuple[Table, ...]:
 def one_pin_table(gear: GearMeasures) -> Table:
     """The distances from the axis over pins, in a ring to their near sides: space, centre, distance, its limits."""
     ring, pins, name, tool = gear.working.is_ring, gear.pins, gear.gear.value, gear.tool
-    limits = [_over_one(pins_there) for _, pins_there in gear.at_limits]
+    limits: list[Readings] = [
+        {(space,): over for space, over in zip(one.space.tolist(), one.over_mm.tolist(), strict=True)}
+        for _, one in gear.at_limits
+    ]
     found = zip(pins.space.tolist(), pins.center_mm.tolist(), pins.over_mm.tolist(), strict=True)
     rows = [(space, *center, over, *_among(limits, (space,))) for space, center, over in found]
     places = (Column(f"{axis} of the {tool}'s centre", "mm") for axis in "xy")
     far = Column(f"axis to the {tool}'s {'near' if ring else 'far'} side", "mm")
     columns = (SPACE, *places, far, *(LIMITS if limits else ()))
     title = f"{tool.capitalize()}s of {drawn(pins.diameter_mm, 'mm')} mm in the {name} gear"
-    return Table(title, columns, tuple(rows), _pin_notes(pins, tool), long=True)
+    by_reason = {reason: [space for space, why in pins.misfits.items() if why is reason] for reason in Misfit}
+    notes = tuple(
+        f"not defined in the spaces after teeth {shown(spaces)}: {reason.value.replace('pin', tool)}"
+        for reason, spaces in by_reason.items()
+        if spaces
+    )
+    return Table(title, columns, tuple(rows), notes, long=True)
 
 
 def two_pin_table(gear: GearMeasures) -> Table:
@@ -61,10 +77,6 @@ def allowed_texts(values: Sequence[Value]) -> list[str]:
     return [cell_text(value, "mm") for value in (values[1:] or values)]
 
 
-def _over_one(pins: Pins) -> Readings:
-    return {(space,): over for space, over in zip(pins.space.tolist(), pins.over_mm.tolist(), strict=True)}
-
-
 def _over_two(found: TwoPins) -> Readings:
     spaces = zip(found.first.tolist(), found.second.tolist(), strict=True)
     return dict(zip(spaces, found.distance_mm.tolist(), strict=True))
@@ -74,16 +86,6 @@ def _among(limits: list[Readings], spaces: Spaces) -> tuple[Value, ...]:
     """The least and the greatest reading in some spaces over both limits; empty where pins do not measure at both."""
     found = [readings[spaces] for readings in limits if spaces in readings]
     return tuple(sorted(found)) if len(found) == len(limits) else (None,) * len(limits)
-
-
-def _pin_notes(pins: Pins, tool: str) -> tuple[str, ...]:
-    """The spaces in which pins measure nothing, by reason."""
-    by_reason = {reason: [space for space, why in pins.misfits.items() if why is reason] for reason in Misfit}
-    return tuple(
-        f"not defined in the spaces after teeth {shown(spaces)}: {reason.value.replace('pin', tool)}"
-        for reason, spaces in by_reason.items()
-        if spaces
-    )
 
 
 SPAN_COLUMNS = columns_of(
@@ -145,3 +147,55 @@ def _named(one: CutBy) -> str:
     if one.diameter_mm is not None:
         return f"{one.tool.value} of {floor(one.diameter_mm * 1000.0) / 1000.0:g} mm or less"
     return one.tool.value
+
+
+BAND = "thinnest", "outlines", "thickest"
+"""The teeth of a band, in the order of its values."""
+
+TITLE = "Play and contact over the band of tooth thickness"
+
+NOTE = (
+    "outlines, drawings and solids stand in the middle of the band; idle flanks have the whole deviation, so that "
+    "pushing flanks keep the law"
+)
+
+
+def play_figures(play: Play, least_rad: float, greatest_rad: float) -> dict[str, float]:
+    """The play along the normal and of the driven gear, whose greatest is told where it is another than its least."""
+    return {
+        "backlash_mm": play.least_normal_mm.value,
+        "backlash_max_mm": play.largest_normal_mm.value,
+        "play_rad": least_rad,
+        **({"play_greatest_rad": greatest_rad} if play.thicker_mm else {}),
+    }
+
+
+def thickness_summary(drive: Drive) -> dict[str, dict[str, float]]:
+    """Figures of the pair by the teeth of ``BAND``; empty where the file gives no band."""
+    return {name: _figures(one) for name, one in zip(BAND, drive.thickness_band, strict=False)}
+
+
+def _figures(one: AtThickness) -> dict[str, float]:
+    extremes, contact = one.extremes, one.contact
+    play = extremes.backlash_rad
+    return {
+        "thickness_deviation_mm": one.deviation_mm,
+        **play_figures(one.play, play.low.value, play.high.value),
+        "play_greatest_rad": play.high.value,
+        "contact_ratio_mean": contact.contact_ratio,
+        "contact_ratio_min": contact.least_arc,
+        "contact_ratio_back_min": contact.back.pairs.least_arc,
+        "transmission_error_rad": extremes.pushing_error_rad.width,
+        "transmission_error_back_rad": extremes.back_error_rad.width,
+    }
+
+
+def band_table(drive: Drive) -> tuple[Table, ...]:
+    """The figures of the band side by side; no table where the file gives none."""
+    band = tuple(thickness_summary(drive).values())
+    if not band:
+        return ()
+    rows = [[told(key, one[key]) for one in band] for key in band[0]]
+    heads = Column(""), *(Column(name) for name in BAND), Column("unit")
+    cells = tuple((row[0][0], *(text for _, text, _ in row), row[0][2]) for row in rows)
+    return (Table(TITLE, heads, cells, (NOTE,)),)

@@ -47,7 +47,6 @@ def turn_deg(teeth: int, end_deg: float = TURN_DEG) -> Array:
 
 
 def _end_deg(pitch: PitchPair) -> float:
-    """A turn, or the range of gears that turn less than once."""
     return TURN_DEG if pitch.toothed is None else degrees(pitch.toothed.covered_rad)
 
 

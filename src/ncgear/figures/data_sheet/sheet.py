@@ -11,12 +11,11 @@ from typing import TYPE_CHECKING
 from ncgear.design.keys.gears import PROFILES
 from ncgear.errors import DesignError
 from ncgear.figures.data_sheet.entries import SheetEntry, bodies, of_both, passed_rows, tolerances
-from ncgear.figures.data_sheet.measured_tables import cut_table, pin_tables, span_table
+from ncgear.figures.data_sheet.measured_tables import TITLE, band_table, cut_table, pin_tables, span_table
 from ncgear.figures.data_sheet.pitch_table import pitch_table
 from ncgear.figures.numbers import micrometres, shown, to_digits
 from ncgear.figures.quantities import OF_GEAR, told
 from ncgear.figures.tables import Cells, Table, Value, columns_of, markdown, markdown_text
-from ncgear.figures.thickness import TITLE, band_table
 from ncgear.frozen import dataclass
 from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.shape import Gear
@@ -99,7 +98,6 @@ def rows_or_why(rows: Callable[[], Iterable[SheetEntry]]) -> tuple[SheetEntry, .
 
 
 def _cell(value: Callable[[], Value]) -> Value:
-    """A value, or why it is missing."""
     try:
         return value()
     except MISSING as error:
@@ -157,7 +155,6 @@ def _kind(curve: PitchCurve) -> str:
 
 
 def _ends(name: str, ends: Iterable[tuple[float, float]]) -> list[SheetEntry]:
-    """The least and the greatest value of both gears."""
     return [
         of_both(f"{word} {name}", both)
         for word, both in zip(("least", "greatest"), zip(*ends, strict=True), strict=True)
@@ -233,10 +230,7 @@ def rack_data(drive: Drive) -> Iterator[SheetEntry]:
     if helix is None:
         yield SheetEntry("helix angle", "deg", 0.0)
     else:
-        hands, kind = (
-            (helix.hand, *({"right", "left"} - {helix.hand})),
-            "herringbone, at z = 0 " if helix.herringbone else "",
-        )
+        hands, kind = (helix.hand, *({"right", "left"} - {helix.hand})), "herringbone, at z = 0 " * helix.herringbone
         yield SheetEntry("helix angle at the pitch curve", "deg", degrees(helix.angle_rad))
         yield of_both("hand of helix", (f"{kind}{hand}" for hand in hands), "")
     by_itself = drive.teeth.cutter is CutterKind.RACK and driving.has_own_shifts
@@ -249,7 +243,8 @@ def tooth_data(drive: Drive) -> Iterator[SheetEntry]:
     Both under load too, where a load brings more flanks into contact.
     """
     both = drive.teeth.driving, drive.teeth.driven
-    yield of_both("teeth that a tool of full depth undercuts", map(_undercut, both), "")
+    undercut = (_with_amount(one.undercut, undercutting, one) for one in both)
+    yield of_both("teeth that a tool of full depth undercuts", undercut, "")
     yield of_both("teeth with shortened tips", map(_shortened, both), "")
     section = ", in the section at z = 0" if drive.helix else ""
     without = f"{section}, without load" if drive.designed_contact.held_apart else section
@@ -260,17 +255,12 @@ def tooth_data(drive: Drive) -> Iterator[SheetEntry]:
         yield SheetEntry("overlap ratio", pair=drive.overlap_ratio)
 
 
-def _undercut(gear: ToothedGear) -> str:
-    return _with_amount(gear.undercut, undercutting, gear)
-
-
 def _shortened(gear: ToothedGear) -> str:
     numbers = {number for limit in Limit if limit is not Limit.FULL for number in gear.shortened(limit)}
     return _with_amount(sorted(numbers), lambda one: shortening(one, one.tips.limit != Limit.FULL), gear)
 
 
 def _with_amount(numbers: list[int], loss: Callable[[ToothedGear], Loss], gear: ToothedGear) -> str:
-    """Numbers of teeth, and how much these have lost at most."""
     if not numbers:
         return shown(numbers)
     found = loss(gear)

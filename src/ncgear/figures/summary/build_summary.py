@@ -21,11 +21,11 @@ from ncgear.contact.written.extremes import WrittenExtremes
 from ncgear.errors import DesignError
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.data_sheet.entries import passed_summary
+from ncgear.figures.data_sheet.measured_tables import play_figures, thickness_summary
 from ncgear.figures.flanks import surfaces_figures
 from ncgear.figures.numbers import known
 from ncgear.figures.strong import strength_summary
 from ncgear.figures.summary.check_summary import check_summary
-from ncgear.figures.thickness import play_figures, thickness_summary
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum, extreme
 from ncgear.numerics.units import CM3_PER_MM3
