@@ -20,11 +20,13 @@ from ncgear.figures import wished
 from ncgear.figures.numbers import shown
 from ncgear.files.workshop.sheets import gear_tables
 from ncgear.files.workshop.sheets.frame import ROW_MM
+from ncgear.formulas.laws import _logarithms
 from ncgear.kinematics import even_speed
 from ncgear.kinematics.crank_stretches import End, nearest_dwell_mm
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.scotch_yoke import ScotchYoke
 from ncgear.numerics.highest import golden_section
+from ncgear.numerics.periodic_cubic import PeriodicCubic
 from ncgear.numerics.rational import arc, closed_uniform
 from ncgear.pitch.shape import Mesh
 from ncgear.ratio.laws.curve_shapes import ellipse
@@ -171,8 +173,17 @@ def test_an_ellipse_turns_about_points_inside(x: float, y: float, inside: bool) 
     if inside:
         ellipse(30.0, 20.0, (x, y), "key")
     else:
-        with pytest.raises(NoSuchMechanism):
+        with pytest.raises(NoSuchMechanism, match="not inside the ellipse"):
             ellipse(30.0, 20.0, (x, y), "key")
+
+
+@pytest.mark.judges("formulas")
+def test_pieces_of_a_ratio_over_the_driven_angle_end_at_shares_of_its_knots() -> None:
+    """Knots 0, 2 and 2 pi of two lobes: in a half turn pieces that end at 1 and pi."""
+    series = PeriodicCubic(np.array([0.0, 2.0, 2.0 * pi]), np.ones((4, 2)))
+    pieces = list(_logarithms(2, series))
+    assert [name for name, *_ in pieces] == ["piece 1", "piece 2"]
+    assert [ends for _, ends, *_ in pieces] == [pytest.approx((0.0, 1.0)), pytest.approx((1.0, pi))]
 
 
 # --- screening
