@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import stat
+from dataclasses import dataclass
 from math import cos, hypot, pi
 from pathlib import Path
 from types import SimpleNamespace
@@ -35,6 +36,7 @@ from ncgear.ratio.laws.curve_shapes import _are_noise, _means
 from ncgear.solids.plan.body import Bore, Keyway
 from ncgear.studio.on_disk import DesignOnDisk
 from ncgear.teeth import backlash
+from ncgear.whole_machines import wish_prices
 from ncgear.whole_machines.conflict import Easing
 
 Made: Any = SimpleNamespace
@@ -319,3 +321,50 @@ def test_what_makes_a_machine_by_giving_way_is_offered(monkeypatch: pytest.Monke
         assert refusal.key == key
         assert said in refusal.problem
         assert unsaid not in refusal.problem
+
+
+@pytest.mark.judges("whole_machines")
+@pytest.mark.parametrize(("limit", "cap"), [(None, 1.0), (0.5, 0.5), (2.0, 1.0)])
+def test_a_machine_without_a_wish_needs_no_more_power_than_it_has(
+    limit: float | None, cap: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The least flank load of two laws under the power of the machine as it is, or under a tighter limit."""
+
+    @dataclass
+    class Wishes:
+        goal: Any
+        limits: Any
+        motion: tuple[Any, ...] = ()
+
+    @dataclass
+    class Limits:
+        peak_power_w: float | None
+
+    asked: list[Any] = []
+    laws = iter([Made(name="power", motion="m"), None, Made(name="flank", motion="n")])
+
+    def kept_law(task: Any, wishes: Any, start: Any) -> Any:
+        asked.append((wishes.goal, wishes.limits.peak_power_w, start))
+        law = next(laws)
+        return law and Made(motion=law.motion, train=lambda lobes: law.name)
+
+    told = {
+        "power": Made(peak_power_w=40.0, flank_load_n_mm=9.0),
+        "flank": Made(peak_power_w=70.0, flank_load_n_mm=5.0),
+    }
+    for name, value in {
+        "parsed": lambda text, path: Made(design=None),
+        "law_design": lambda design: None,
+        "inertia_as_given": lambda made: None,
+        "task_of": lambda made, inertia: Made(lobes=None),
+        "law_wishes": lambda made, _: Wishes("flanks", Limits(None if limit is None else limit * 80.0)),
+        "Drive": lambda design: Made(check=Made(peak_power_w=Made(value=80.0 / wish_prices.CLOSE))),
+        "start_motion": lambda task, wishes: "start",
+        "figures": lambda task, train: told[train],
+    }.items():
+        monkeypatch.setattr(wish_prices, name, value)
+    monkeypatch.setattr("ncgear.optimum.makeable.law.kept_law", kept_law)
+    found = wish_prices.needed_without("", "")
+    assert [one[1:] for one in asked[1:]] == [(cap * 80.0, "start"), (cap * 80.0, "m")]
+    assert asked[0][0] is wish_prices.Goal.POWER
+    assert [getattr(found, name) for name in type(found).__dataclass_fields__] == [40.0, 5.0]
