@@ -223,7 +223,7 @@ READING = [name for name in CASES if name != "reproduce"]
 
 
 # A sweep only counts the designs that are impossible, and a law of the slider draws no outline to be followed.
-@pytest.mark.tiers(slow=["3-optimize"], rest="quick")
+@pytest.mark.tiers(quick=["2-*", "3-check", "3-build", "3-strength"], rest="slow")
 @pytest.mark.parametrize(
     ("status", "name"),
     [*((2, name) for name in READING), *((3, name) for name in READING if name not in ("sweep", "fit"))],

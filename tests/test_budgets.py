@@ -103,7 +103,7 @@ def test_limits_apply_while_a_file_is_read(monkeypatch: pytest.MonkeyPatch, text
     assert calls_of(lambda: read(text)) < CALLS_A_CHARACTER * 1000
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_judges_see_what_grows_faster_than_the_size() -> None:
     def square(size: int) -> list[list[int]]:
         return [[sum(one for one in range(size))] * size for _ in range(size)]

@@ -499,7 +499,7 @@ def test_elements_see_loads_that_are_wrongly_judged(load: float) -> None:
     assert "elements find" in str(strength(seen, said))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @at_once("kind", [Kind.PRESSURE_ANGLE, Kind.RATIO_RANGE, Kind.CRANK_PIN, Kind.ROD])
 def test_a_verdict_that_always_warns_is_seen(kind: Kind) -> None:
     assert JUDGES[kind](seen_of(CLEAN), broken(kind)) is not None

@@ -266,7 +266,7 @@ def directions(slope: Array) -> Array:
     return slope / np.linalg.norm(slope, axis=-1, keepdims=True)
 
 
-@pytest.mark.tiers(quick=["*-sine-*"], rest="thorough")
+@pytest.mark.tiers(quick=["*-sine-*"], rest="slow")
 @pytest.mark.parametrize("backlash_mm", [0.0, 0.1])
 @pytest.mark.parametrize(("name", "tool"), CASES)
 @pytest.mark.parametrize("gear", Gear)

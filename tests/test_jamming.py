@@ -302,14 +302,14 @@ def test_the_process_is_told_by_the_file(gears: dict[str, Any], process: Process
     assert process_of(small(**gears)) is process
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_concave_gears_and_rings_are_not_hobbed() -> None:
     assert process_of(drive("internal-1-2")) is Process.CUT
     assert process_of(drive("baler")) is Process.CUT
     assert process_of(drive("baler-66-two-stage").by_stage[1]) is Process.GENERATED
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_finer_tolerances_of_the_file_need_less() -> None:
     loose = jamming_of(small())
     data = {**deepcopy(SMALL), "tolerances": {"grade": 5, "center_distance_mm": 0.01}}

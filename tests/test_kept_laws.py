@@ -166,7 +166,7 @@ EXACT = 1e-9
 """Figures are exact but for rounding."""
 
 
-@pytest.mark.tiers(slow=["tests/cases/pole*"], rest="thorough")
+@pytest.mark.tiers(thorough=["designs/fish", "designs/rack-feed", "tests/cases/a1-*"], rest="slow")
 @pytest.mark.parametrize("name", sorted(NO_LAW))
 def test_files_without_a_law_are_refused(name: str) -> None:
     with pytest.raises(DesignError):

@@ -130,7 +130,7 @@ def assert_peak(exact: Extremum, phi1: Array, sampled: Array) -> None:
 LINKAGES = {"in line": BALER_LINKAGE, "offset": OFFSET, "offset back": CrankSlider(380.0, 960.0, -150.0)}
 
 
-@pytest.mark.tiers(quick=["uniform*"], thorough=["stroke*-offset", "ratio*-offset"], rest="slow")
+@pytest.mark.tiers(quick=["uniform*"], thorough=["stroke*-offset"], rest="slow")
 @pytest.mark.parametrize("linkage", LINKAGES)
 @pytest.mark.parametrize("name", LAWS)
 def test_peaks_bound_a_dense_sample_and_are_hardly_higher(name: str, linkage: str) -> None:

@@ -258,7 +258,7 @@ def test_a_scaled_linkage_moves_alike(lengths: Lengths, scale: float, angle: flo
     assert np.allclose(first, second, rtol=0.0, atol=1e-12 * float(np.abs(second).max() + scale * lengths[0]))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(turning, st.floats(0.0, 2.0 * pi))
 def test_the_slider_stays_between_its_ends(lengths: Lengths, angle: float) -> None:

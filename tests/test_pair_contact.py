@@ -178,7 +178,7 @@ def test_no_place_of_a_tip_is_nearer_to_its_root_than_told() -> None:
 # --- negative controls -----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.tiers(slow=["ellipse", "baler"], rest="thorough")
+@pytest.mark.tiers(thorough=["uniform"], rest="slow")
 @pytest.mark.parametrize("name", ["uniform", "ellipse", "sine", "baler"])
 def test_straight_sided_teeth_do_not_pass_for_conjugate_ones(name: str) -> None:
     """A tolerance so coarse that every curve is one chord; the bound that sampled exact flanks keep is missed."""

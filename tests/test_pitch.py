@@ -270,7 +270,7 @@ def test_tangent_and_curvature_are_derivatives_along_the_curve(name: str, gear: 
         assert bend == pytest.approx(-at.curvature[0] * at.normal[0], abs=1e-13 * 144.0 / half + 1e-9)
 
 
-@pytest.mark.tiers(quick=["driven"], rest="thorough")
+@pytest.mark.tiers(quick=["driven"], rest="slow")
 @every_law
 @pytest.mark.parametrize("gear", list(Gear), ids=lambda gear: gear.value)
 def test_curvature_range_bounds_a_dense_sample(name: str, gear: Gear) -> None:

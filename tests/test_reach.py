@@ -70,7 +70,7 @@ def _between(points: Array, start_rad: float, end_rad: float) -> Array:
     return np.asarray(points[np.abs(np.angle(points / middle)) <= half])
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_middles_of_lands_reach_less_far() -> None:
     """The negative control: what is taken in the middle of each land misses the greatest radius by hundredths."""
     toothed = finely("oval-flow-meter").teeth.driving
@@ -99,7 +99,7 @@ def test_sheet_housing_and_written_solid_have_one_greatest_radius(name: str) -> 
             assert getattr(rows["bore of the housing"], gear.value) == pytest.approx(2.0 * (said + 0.07), rel=1e-12)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_circular_gears_are_as_large_as_their_rack_says() -> None:
     gears = "gears: {teeth: 31, module_mm: 2.5, face_width_mm: 5, profile_shift: {driving: 0.2}}"
     teeth = drive_of_text(

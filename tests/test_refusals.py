@@ -191,7 +191,7 @@ def test_wrong_input(case: str, run: Run, tmp_path: Path) -> None:
     assert {path.name for path in tmp_path.iterdir()} == {"d.yaml"}
 
 
-@pytest.mark.tiers(slow=["rack on a concave*"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize("case", IMPOSSIBLE)
 def test_no_such_mechanism(case: str, run: Run, tmp_path: Path) -> None:
     command, text, key, says = IMPOSSIBLE[case]

@@ -69,7 +69,7 @@ def single(first: int, second: int, torque: str, speed_rpm: int) -> Drive:
     return drive_of_text(text.replace("speed_rpm: 60", f"speed_rpm: {speed_rpm}"))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("idlers", [BENT, "{lobes: [2], bends_deg: [35]}"])
 def test_every_mesh_of_a_row_passes_the_power_of_the_last_gear(idlers: str) -> None:
     drive = made(idlers)

@@ -41,7 +41,7 @@ def rounding_mm(found: Scene) -> float:
 
 
 @pytest.mark.judges("drawings")
-@pytest.mark.tiers(quick=["gearless", "askew", "pump-1-2"], slow=["baler-66-two-stage"], rest="thorough")
+@pytest.mark.tiers(quick=["gearless", "askew", "pump-1-2"], rest="slow")
 @every_scene
 def test_the_linkage_stays_joined(name: str) -> None:
     found = scene(name)

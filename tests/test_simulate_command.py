@@ -173,6 +173,7 @@ def test_wrong_masses_are_refused_at_their_line(run: Run, block: str, key: str, 
     assert not Path("export").exists()
 
 
+@pytest.mark.tiers(quick=["dynamic"], rest="slow")
 @pytest.mark.parametrize("level", ["quasi_static", "dynamic"])
 def test_two_stages_have_the_rigid_level_only(run: Run, level: str) -> None:
     motion = "motion: {law: harmonic_ratio, cosine: [0.1], sine: [0.0], second_stage: {cosine: [0.1], sine: [0.0]}}"

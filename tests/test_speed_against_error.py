@@ -75,11 +75,7 @@ def test_a_study_is_known_by_its_own_key(key: str) -> None:
     assert STUDIES[key]().key == key
 
 
-@pytest.mark.tiers(
-    slow=["pitch-length-baler", "driven-angle-ellipse", "closure"],
-    long=["driven-angle-return", "curvature-baler"],
-    rest="thorough",
-)
+@pytest.mark.tiers(thorough=["inversion", "return-basis"], long=["driven-angle-return", "curvature-baler"], rest="slow")
 @pytest.mark.parametrize("key", BOUNDS)
 def test_what_ncgear_does_is_exact(key: str) -> None:
     assert of(key).chosen[1].error <= BOUNDS[key]
@@ -333,9 +329,7 @@ def test_the_page_in_docs_has_the_methods_levels_and_choices_of_today(key: str) 
     assert study.reference in section
 
 
-@pytest.mark.tiers(
-    slow=["closure", "curvature-baler", "pitch-length-baler"], long=["driven-angle-return"], rest="thorough"
-)
+@pytest.mark.tiers(long=["driven-angle-return"], rest="slow")
 @pytest.mark.parametrize("key", BOUNDS)
 def test_the_errors_in_the_page_are_todays(key: str) -> None:
     """What ncgear works at: rounding errors differ between machines, their size does not."""

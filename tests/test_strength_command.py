@@ -145,8 +145,8 @@ def test_a_material_without_figures_for_pitting(run: Run, pretend: Callable[...,
     assert rows()[0]["contact_safety"] == ""
 
 
-@pytest.mark.thorough
-@pytest.mark.parametrize("second", ["", ", second_stage: {cosine: [0.1]}"])
+@pytest.mark.tiers(thorough=["one pair"], rest="slow")
+@pytest.mark.parametrize("second", ["", ", second_stage: {cosine: [0.1]}"], ids=["one pair", "two pairs"])
 def test_as_many_steps_come_as_are_said(
     second: str, run: Run, pretend: Callable[..., None], monkeypatch: pytest.MonkeyPatch
 ) -> None:

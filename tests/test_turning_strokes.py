@@ -38,7 +38,7 @@ def place_rad(crank: np.ndarray) -> np.ndarray:
     return inner - np.angle(to_axis) - start
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_rocker_keeps_the_stroke_that_is_asked_of_it() -> None:
     made = rocker()
     speed = made.law_speed_rpm * np.pi / 30.0

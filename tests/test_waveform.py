@@ -46,7 +46,7 @@ def test_harmonics_of_a_function_with_jumps() -> None:
         assert abs(found[k] - exact_harmonic(k)) <= 1e-14
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_even_samples_would_be_far_off() -> None:
     """What a fast Fourier transform of 256 samples makes of the jump: an error of a sample's share of it."""
     samples = np.fft.rfft(parabolas(np.arange(256) / 256 * 2.0 * pi)) / 256
