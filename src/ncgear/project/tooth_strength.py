@@ -123,8 +123,8 @@ def surfaces_of_teeth(
     materials = judged.strength.driving.material, judged.strength.driven.material
     mesh = mesh_stiffness(judged.loading, running)
 
-    def uneven(contacts: LoadedContacts) -> Array:
-        return face_loading.of_contacts(contacts, conditions.application_factor, shaken(contacts))
+    def uneven(contacts: LoadedContacts, shaken: Array) -> Array:
+        return face_loading.of_contacts(contacts, conditions.application_factor, shaken)
 
     def shaken(contacts: LoadedContacts) -> Array:
         return vibration.of_contacts(contacts, mesh, conditions, judged.loading.still is not None)

@@ -168,15 +168,15 @@ class Surfaces:
 class _Pair:
     """The common values of all places of contact of a pair.
 
-    ``uneven`` gives K_Hbeta of all contacts of some positions, ``shaken`` their K_V; ``bulk_c`` is the temperature of
-    the teeth.
+    ``shaken`` gives K_V of all contacts of some positions, ``uneven`` their K_Hbeta with it; ``bulk_c`` is the
+    temperature of the teeth.
     """
 
     materials: tuple[Material, Material]
     conditions: Conditions
     running: Running
     coefficients_mm3_n_m: tuple[float, float]
-    uneven: Callable[[LoadedContacts], Array]
+    uneven: Callable[[LoadedContacts, Array], Array]
     shaken: Callable[[LoadedContacts], Array]
     oil: Oil | None
     bulk_c: float = 0.0
@@ -184,7 +184,7 @@ class _Pair:
     def touching(self, contacts: LoadedContacts) -> tuple[LoadedContacts, Array, Pressed]:
         """The contacts of flanks among all contacts of some positions, their K_V, and as film and heat need them."""
         shaken = self.shaken(contacts)
-        load = self.uneven(contacts) * shaken_n_mm(contacts, self.conditions, self.running, shaken)
+        load = self.uneven(contacts, shaken) * shaken_n_mm(contacts, self.conditions, self.running, shaken)
         kept, load = contacts.kept(contacts.flanks), load[contacts.flanks]
         return kept, shaken[contacts.flanks], Pressed(load, kept.relative_curvature, kept.rolling_mm_s / 1000.0)
 
@@ -223,12 +223,12 @@ def surfaces_of(
     warm: tuple[ToothTemperature, ToothTemperature],
     conditions: Conditions,
     running: Running,
-    uneven: Callable[[LoadedContacts], Array],
+    uneven: Callable[[LoadedContacts, Array], Array],
     shaken: Callable[[LoadedContacts], Array],
 ) -> Surfaces:
     """The state of the flanks under their loads, with all factors of load of the pressure.
 
-    ``uneven`` gives K_Hbeta and ``shaken`` K_V of contacts, shape (n,), from all contacts of their positions.
+    ``shaken`` gives K_V of contacts, shape (n,), from all contacts of their positions, ``uneven`` K_Hbeta with it.
     """
     mates = (choices, choices[::-1])
     plastic = [isinstance(choice.entry, Plastic) for choice in choices]
