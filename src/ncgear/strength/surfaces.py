@@ -164,6 +164,10 @@ class Surfaces:
         return lasting if scuffing is None else min(lasting, scuffing / LEAST_SCUFFING)
 
 
+Touched = tuple[LoadedContacts, Array, Pressed]
+"""The contacts of flanks among all contacts of some positions, their K_V, and as film and heat need them."""
+
+
 @dataclass(frozen=True, eq=False)
 class _Pair:
     """The common values of all places of contact of a pair.
@@ -181,8 +185,8 @@ class _Pair:
     oil: Oil | None
     bulk_c: float = 0.0
 
-    def touching(self, contacts: LoadedContacts) -> tuple[LoadedContacts, Array, Pressed]:
-        """The contacts of flanks among all contacts of some positions, their K_V, and as film and heat need them."""
+    def touching(self, contacts: LoadedContacts) -> Touched:
+        """The contacts of flanks among all contacts of some positions."""
         shaken = self.shaken(contacts)
         load = self.uneven(contacts, shaken) * shaken_n_mm(contacts, self.conditions, self.running, shaken)
         kept, load = contacts.kept(contacts.flanks), load[contacts.flanks]
@@ -235,9 +239,10 @@ def surfaces_of(
     oil = None if any(plastic) or conditions.lubrication == "dry" else Oil.of(conditions)
     first, second = (coefficient_mm3_n_m(*both, conditions) for both in mates)
     pair = _Pair(materials, conditions, running, (first, second), uneven, shaken, oil)
+    touched = pair.touching(loading.contacts)
     if oil is not None:
-        pair = replace(pair, bulk_c=_bulk_c(pair, oil, loading))
-    thin, hot, *worn = _largest(pair, loading)
+        pair = replace(pair, bulk_c=_bulk_c(pair, oil, loading, touched))
+    thin, hot, *worn = _largest(pair, loading, touched)
     limit = LIMIT_MODULES * running.module_mm
     wear = Wear((first, second), (worn[0], worn[1]), worn[2].value + worn[3].value, limit, conditions.life_h)
     film, scuffs_c = None, None
@@ -276,19 +281,19 @@ def _creep(loading: Loading, choices: tuple[Choice, Choice], conditions: Conditi
     return Creep(way, way * max(factor for factor in factors if factor is not None), loaded_h)
 
 
-def _bulk_c(pair: _Pair, oil: Oil, loading: Loading) -> float:
+def _bulk_c(pair: _Pair, oil: Oil, loading: Loading, touched: Touched) -> float:
     """The temperature of the teeth: the oil's, plus a share of the mean flash temperature over the cycle."""
-    touching, _, pressed = pair.touching(loading.contacts)
+    touching, _, pressed = touched
     flash = pair.flash(pressed, oil)[loading.even[touching.position]]
     share = BULK_SHARE[pair.conditions.lubrication]
     return pair.conditions.oil_temperature_c + share * float(flash.mean() if flash.size else 0.0)
 
 
-def _largest(pair: _Pair, loading: Loading) -> list[ContactValue]:
+def _largest(pair: _Pair, loading: Loading, touched: Touched) -> list[ContactValue]:
     """The largest value of each quantity over the cycle, with its place."""
 
-    def over(contacts: LoadedContacts, count: int) -> tuple[LoadedContacts, Array, Array]:
-        touching, shaken, pressed = pair.touching(contacts)
+    def over(touched: Touched, count: int) -> tuple[LoadedContacts, Array, Array]:
+        touching, shaken, pressed = touched
         found = pair.quantities(touching.side, shaken, pressed)
         largest = np.zeros((len(found), count))
         for row, values in zip(largest, found, strict=True):
@@ -296,15 +301,15 @@ def _largest(pair: _Pair, loading: Loading) -> list[ContactValue]:
         return touching, found, largest
 
     def at(rolled_mm: Array) -> Array:
-        return over(loading.between(rolled_mm), rolled_mm.size)[2]
+        return over(pair.touching(loading.between(rolled_mm)), rolled_mm.size)[2]
 
-    known = over(loading.contacts, loading.rolled_mm.size)[2]
+    known = over(touched, loading.rolled_mm.size)[2]
     places, values = loading.rolled_mm, known
     if loading.closed:
         places, values = np.append(places, places[0] + loading.cycle_mm), np.hstack([known, known[:, :1]])
     extremes = largest_from(at, places, values, KNOWN * known.max(axis=1))
     rolled = np.array([one.at for one in extremes])
-    touching, found, _ = over(loading.between(rolled), rolled.size)
+    touching, found, _ = over(pair.touching(loading.between(rolled)), rolled.size)
     return [_place(touching, np.where(touching.position == row, found[row], -1.0)) for row in range(rolled.size)]
 
 
