@@ -331,13 +331,12 @@ def _met(
     """
     placement = placed(pitch, per_tooth)
     found = first_within(teeth, placement, within_modules * teeth.driving.flanks.rack.module_mm, sides)
-    each = zip(found, sides, strict=True)
-    firsts = [(first_of_pairs(contacts, float(URGE[side])), float(URGE[side])) for contacts, side in each]
-    return placement, [(_rows(one, urge, placement), pair_places(one, placement)) for one, urge in firsts]
+    return placement, [_rows(one, float(URGE[side]), placement) for one, side in zip(found, sides, strict=True)]
 
 
-def _rows(contacts: Contacts, urge: float, placement: Placement) -> Rows:
-    """The contacts of pairs of teeth, with slopes, but without the stiffness."""
+def _rows(contacts: Contacts, urge: float, placement: Placement) -> tuple[Rows, PairPlaces]:
+    """The first contacts of pairs of teeth at positions, with slopes but without the stiffness, and their places."""
+    contacts = first_of_pairs(contacts, urge)
     place, tangent = fixed_tangents(contacts, placement)
     from_axis = place - placement.center_distance_mm
     lever = along(tangent, from_axis)
@@ -345,7 +344,8 @@ def _rows(contacts: Contacts, urge: float, placement: Placement) -> Rows:
     drift = placement.mesh.sense * along(tangent, place) / lever - placement.speed[contacts.position]
     values = np.column_stack([contacts.error_rad, lever, driving, driven])
     teeth = np.column_stack([contacts.driving_tooth, contacts.driven_tooth])
-    return Rows(np.full(drift.size, urge), teeth, contacts.position, values, drift)
+    rows = Rows(np.full(drift.size, urge), teeth, contacts.position, values, drift)
+    return rows, pair_places(contacts, placement)
 
 
 def _slotted(rows: Rows, placement: Placement) -> Gaps:

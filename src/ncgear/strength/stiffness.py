@@ -108,15 +108,14 @@ class LinearTeeth:
 
         Edges count as the ends of their flanks, so that the stiffness is continuous where contact passes to an edge.
         """
-        parts = [self._of_few(*some) for some in _placed(self.teeth, places)]
-        return np.concatenate([np.empty(0), *parts])
-
-    def _of_few(self, driving: FlankPlaces, driven: FlankPlaces, curvature: Array) -> Array:
-        reach, (own, other) = self.reach_mm(curvature), self.methods
-        given: Array = own.compliance(driving, reach) + other.compliance(driven, reach)
+        (own, other), parts = self.methods, [np.empty(0)]
+        for driving, driven, curvature in _placed(self.teeth, places):
+            reach = self.reach_mm(curvature)
+            parts.append(own.compliance(driving, reach) + other.compliance(driven, reach))
+        given = np.concatenate(parts)
         if not np.all(np.isfinite(given) & (given > 0.0)):
             raise Unanswered("the compliance of a pair of teeth is not above 0")
-        return self.face_width_mm / given
+        return np.asarray(self.face_width_mm / given)
 
     def reach_mm(self, curvature: Array) -> Array:
         """Half-width of the contact of flanks with a sum of curvatures in 1/mm, shape (n,)."""

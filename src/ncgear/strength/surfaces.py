@@ -172,15 +172,15 @@ Touched = tuple[LoadedContacts, Array, Pressed]
 class _Pair:
     """The common values of all places of contact of a pair.
 
-    ``shaken`` gives K_V of all contacts of some positions, ``uneven`` their K_Hbeta with it; ``bulk_c`` is the
-    temperature of the teeth.
+    ``shaken`` gives K_V of all contacts of some positions, ``uneven`` their K_Hbeta by the application factor and K_V;
+    ``bulk_c`` is the temperature of the teeth.
     """
 
     materials: tuple[Material, Material]
     conditions: Conditions
     running: Running
     coefficients_mm3_n_m: tuple[float, float]
-    uneven: Callable[[LoadedContacts, Array], Array]
+    uneven: Callable[[LoadedContacts, float, Array], Array]
     shaken: Callable[[LoadedContacts], Array]
     oil: Oil | None
     bulk_c: float = 0.0
@@ -188,7 +188,8 @@ class _Pair:
     def touching(self, contacts: LoadedContacts) -> Touched:
         """The contacts of flanks among all contacts of some positions."""
         shaken = self.shaken(contacts)
-        load = self.uneven(contacts, shaken) * shaken_n_mm(contacts, self.conditions, self.running, shaken)
+        uneven = self.uneven(contacts, self.conditions.application_factor, shaken)
+        load = uneven * shaken_n_mm(contacts, self.conditions, self.running, shaken)
         kept, load = contacts.kept(contacts.flanks), load[contacts.flanks]
         return kept, shaken[contacts.flanks], Pressed(load, kept.relative_curvature, kept.rolling_mm_s / 1000.0)
 
@@ -227,12 +228,13 @@ def surfaces_of(
     warm: tuple[ToothTemperature, ToothTemperature],
     conditions: Conditions,
     running: Running,
-    uneven: Callable[[LoadedContacts, Array], Array],
+    uneven: Callable[[LoadedContacts, float, Array], Array],
     shaken: Callable[[LoadedContacts], Array],
 ) -> Surfaces:
     """The state of the flanks under their loads, with all factors of load of the pressure.
 
-    ``shaken`` gives K_V of contacts, shape (n,), from all contacts of their positions, ``uneven`` K_Hbeta with it.
+    ``shaken`` gives K_V of contacts, shape (n,), from all contacts of their positions, and ``uneven`` K_Hbeta by the
+    application factor and K_V.
     """
     mates = (choices, choices[::-1])
     plastic = [isinstance(choice.entry, Plastic) for choice in choices]
