@@ -13,14 +13,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
 from ncgear.contact.designed.as_designed import first_within
 from ncgear.contact.designed.curves import Contacts
 from ncgear.contact.placement import BOTH_SIDES, URGE, Placement, placed
-from ncgear.dynamics.pair_places import PairStiffness, fixed_tangents, pair_places
+from ncgear.dynamics.pair_places import PairPlaces, PairStiffness, fixed_tangents, pair_places
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, Columns, IndexArray, Mask, row_blocks
 from ncgear.numerics.periodic_table import PeriodicTable, cubics
@@ -316,26 +316,36 @@ def gaps_of(
     Pairs are followed ``within_modules`` of the first contact.  Teeth that are followed on one side only never touch on
     the other.
     """
-    placement = placed(pitch, per_tooth)
-    found = first_within(teeth, placement, within_modules * teeth.driving.flanks.rack.module_mm, sides)
-    rows = [
-        _rows(contacts, float(URGE[side]), placement, stiffness) for contacts, side in zip(found, sides, strict=True)
-    ]
+    placement, met = _met(teeth, pitch, per_tooth, tuple(sides), within_modules)
+    rows = [replace(one, values=np.column_stack([one.values, stiffness(places)])) for one, places in met]
     return _slotted(Rows.joined(rows).in_order(), placement)
 
 
-def _rows(contacts: Contacts, urge: float, placement: Placement, stiffness: PairStiffness) -> Rows:
-    """The first contact of each pair of teeth at each position, with slopes."""
+@lru_cache(maxsize=2)
+def _met(
+    teeth: ToothedPair, pitch: PitchPair, per_tooth: int, sides: tuple[int, ...], within_modules: float
+) -> tuple[Placement, list[tuple[Rows, PairPlaces]]]:
+    """The positions, and on each side the contacts of pairs but for their stiffness, and the places of these.
+
+    Kept: ``ncgear size`` asks for the same teeth in other widths, and a simulation for the teeth that strength loads.
+    """
+    placement = placed(pitch, per_tooth)
+    found = first_within(teeth, placement, within_modules * teeth.driving.flanks.rack.module_mm, sides)
+    return placement, [_rows(one, float(URGE[side]), placement) for one, side in zip(found, sides, strict=True)]
+
+
+def _rows(contacts: Contacts, urge: float, placement: Placement) -> tuple[Rows, PairPlaces]:
+    """The first contacts of pairs of teeth at positions, with slopes but without the stiffness, and their places."""
     contacts = first_of_pairs(contacts, urge)
     place, tangent = fixed_tangents(contacts, placement)
     from_axis = place - placement.center_distance_mm
     lever = along(tangent, from_axis)
     driving, driven = along(tangent, 1j * place), placement.mesh.sense * along(tangent, 1j * from_axis)
     drift = placement.mesh.sense * along(tangent, place) / lever - placement.speed[contacts.position]
-    stiff = stiffness(pair_places(contacts, placement))
-    values = np.column_stack([contacts.error_rad, lever, driving, driven, stiff])
+    values = np.column_stack([contacts.error_rad, lever, driving, driven])
     teeth = np.column_stack([contacts.driving_tooth, contacts.driven_tooth])
-    return Rows(np.full(drift.size, urge), teeth, contacts.position, values, drift)
+    rows = Rows(np.full(drift.size, urge), teeth, contacts.position, values, drift)
+    return rows, pair_places(contacts, placement)
 
 
 def _slotted(rows: Rows, placement: Placement) -> Gaps:

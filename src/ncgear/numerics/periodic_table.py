@@ -6,6 +6,7 @@ slope is the exact derivative of its value, as the balance of energy needs it.
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Sequence
 from typing import Any
 
@@ -70,7 +71,8 @@ class PlaceByPlace:
     """
 
     def __init__(self, table: PeriodicTable) -> None:
-        self._table, self._period = table, float(table.breaks[-1])
+        self._rows, self._breaks = np.moveaxis(table.coefficients, 0, -1), table.breaks.tolist()
+        self._period = self._breaks[-1]
         self._low = self._high = 0.0
         self.index, self.rows = -1, list[Any]()
 
@@ -78,9 +80,9 @@ class PlaceByPlace:
         """Whole periods before x, and the distance from the break below, to which ``rows`` belong."""
         turns, local = divmod(x, self._period)
         if not self._low <= local < self._high:
-            self.index = int(self._table.place(x)[1])
-            self._low, self._high = self._table.breaks[self.index : self.index + 2].tolist()
-            self.rows = np.moveaxis(self._table.coefficients[:, self.index], 0, -1).tolist()
+            self.index = min(bisect_right(self._breaks, local), len(self._breaks) - 1) - 1
+            self._low, self._high = self._breaks[self.index : self.index + 2]
+            self.rows = self._rows[self.index].tolist()
         return turns, local - self._low
 
 

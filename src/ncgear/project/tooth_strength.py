@@ -19,7 +19,6 @@ from ncgear.project.service import choices_of
 from ncgear.project.tooth_load import ToothLoad
 from ncgear.project.vibration import mesh_stiffness
 from ncgear.strength.conditions import Conditions, Running
-from ncgear.strength.contacts import LoadedContacts
 from ncgear.strength.endurance import materials_of
 from ncgear.strength.estimate import estimate_of
 from ncgear.strength.iso6336 import rim_factor, thinnest_rim_mm
@@ -105,16 +104,10 @@ def surfaces_of_teeth(drive: Drive, judged: JudgedTeeth) -> Surfaces:
     """Film, heat and wear of the flanks of a pair's judged teeth, without jams, which are rare."""
     conditions, running, face_loading, vibration = drive.conditions, drive.running, drive.face_loading, drive.vibration
     materials = judged.strength.driving.material, judged.strength.driven.material
-    mesh = mesh_stiffness(judged.loading, running)
-
-    def uneven(contacts: LoadedContacts) -> Array:
-        return face_loading.of_contacts(contacts, conditions.application_factor, shaken(contacts))
-
-    def shaken(contacts: LoadedContacts) -> Array:
-        return vibration.of_contacts(contacts, mesh, conditions, judged.loading.still is not None)
-
-    choices, warm = choices_of(drive.gears), judged.warm
-    return surfaces_of(judged.loading, choices, materials, warm, conditions, running, uneven, shaken)
+    mesh, followed = mesh_stiffness(judged.loading, running), judged.loading.still is not None
+    shaken = partial(vibration.of_contacts, mesh=mesh, conditions=conditions, followed=followed)
+    given = judged.loading, choices_of(drive.gears), materials, judged.warm, conditions, running
+    return surfaces_of(*given, face_loading.of_contacts, shaken)
 
 
 def methods_of(

@@ -28,7 +28,7 @@ ISO 6336 covers circular gears only.  On other gears all this is a local estimat
 
 from __future__ import annotations
 
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import cos, pi, radians
 
 import numpy as np
@@ -195,38 +195,16 @@ class Estimate:
         u the height over it at which the load meets the middle line.  Contact: 2 / (pi E') (ln(2 t / b) - nu / (2 (1 -
         nu))), t the depth to the middle line along the load and b the half-width ``reach_mm``.
         """
-        load = self._loads(places)
-        poisson = self.material.poisson
-        modulus = self.material.youngs_modulus_mpa / (1.0 - poisson**2)
-        shear = self.material.youngs_modulus_mpa / (2.0 * (1.0 + poisson))
-        foot = self.halves.low_mm.reshape(-1, 2).max(axis=1)[load.tooth]
-        length = np.maximum(load.height_mm - foot, 0.0)
-        # A row for each node: heights of neighbouring loads differ little, so their places in the table are near.
-        height = foot + length * (NODES[:, None] + 1.0) / 2.0
-        near, far = (self.halves.at(flank, height) for flank in (places.flank, places.flank ^ 1))
-        width, off = near + far, (near - far) / 2.0
-        moment = load.across * (load.height_mm - height) - load.down * (load.aside_mm - off)
-        bent, pressed_down = 12.0 / modulus * moment * moment, load.down**2 / modulus
-        energy = (bent / (width * width) + pressed_down + 1.2 / shear * load.across**2) / width
-        tooth = length / 2.0 * (WEIGHTS @ energy)
-
-        root, other = (self.halves.at(flank, foot) for flank in (places.flank, places.flank ^ 1))
-        # The moment about the foot's middle is the load's part across times its arm u.
-        turning = load.across * length - load.down * (load.aside_mm - (root - other) / 2.0)
-        slender = turning / (root + other)
-        foundation = 18.0 / pi * slender**2 + 2.0 * (1.0 - 2.0 * poisson) / (1.0 - poisson) * slender * load.across
-        foundation += 4.8 / pi * load.across**2 + 2.0 * (1.0 - poisson) / pi * load.down**2
-
-        thick = self.halves.at(places.flank, load.height_mm) + self.halves.at(places.flank ^ 1, load.height_mm)
-        depth = thick / 2.0 / np.maximum(load.across, LEAST_ACROSS)
+        youngs_mpa, poisson = self.material.youngs_modulus_mpa, self.material.poisson
+        tooth, foundation, depth = _of_body(self.frames, self.halves, youngs_mpa, poisson, places)
         reach = np.maximum(reach_mm, LEAST_REACH * depth)
         pressed = np.maximum(np.log(2.0 * depth / reach) - poisson / (2.0 * (1.0 - poisson)), 0.0)
-        wide = self.frames.slender
-        return Compliance(tooth / wide, foundation / (modulus * wide), 2.0 / (pi * modulus * wide) * pressed)
+        modulus, wide = youngs_mpa / (1.0 - poisson**2), self.frames.slender
+        return Compliance(tooth, foundation, 2.0 / (pi * modulus * wide) * pressed)
 
     def root_stress(self, places: FlankPlaces) -> RootStress:
         """Tension at the loaded flank's root, compression at the other root, shape (n,) each; see the module."""
-        load = self._loads(places)
+        load = _loads(self.frames, places)
         chord, middle = self.sections.chord_mm[load.tooth], self.sections.middle[load.tooth]
         up = load.height_mm - self.frames.height(load.tooth, middle)
         off = load.aside_mm - self.frames.aside(places.flank, middle)
@@ -244,16 +222,50 @@ class Estimate:
         pressed = 1.2 * np.maximum(load.down, 0.0) / chord
         return RootStress(bending * notch(places.flank), (bending + pressed) * notch(places.flank ^ 1))
 
-    def _loads(self, places: FlankPlaces) -> _Loads:
-        """The places and loads in the frames of their teeth."""
-        tooth, frames = places.flank // 2, self.frames
-        return _Loads(
-            tooth,
-            frames.aside(places.flank, places.point),
-            frames.height(tooth, places.point),
-            -along(frames.outwards(places.flank), places.inwards),
-            -frames.slender * along(frames.towards_tip[tooth], places.inwards),
-        )
+
+def _loads(frames: ToothFrames, places: FlankPlaces) -> _Loads:
+    """The places and loads in the frames of their teeth."""
+    tooth = places.flank // 2
+    return _Loads(
+        tooth,
+        frames.aside(places.flank, places.point),
+        frames.height(tooth, places.point),
+        -along(frames.outwards(places.flank), places.inwards),
+        -frames.slender * along(frames.towards_tip[tooth], places.inwards),
+    )
+
+
+@lru_cache(maxsize=128)
+def _of_body(
+    frames: ToothFrames, halves: Halves, youngs_mpa: float, poisson: float, places: FlankPlaces
+) -> tuple[Array, Array, Array]:
+    """The compliances of teeth and of their foundations, and the depths to the middle lines along the loads; (n,) each.
+
+    Kept, like the places: only the contact's part changes with the load for each mm of width.
+    """
+    load = _loads(frames, places)
+    modulus, shear = youngs_mpa / (1.0 - poisson**2), youngs_mpa / (2.0 * (1.0 + poisson))
+    foot = halves.low_mm.reshape(-1, 2).max(axis=1)[load.tooth]
+    length = np.maximum(load.height_mm - foot, 0.0)
+    # A row for each node: heights of neighbouring loads differ little, so their places in the table are near.
+    height = foot + length * (NODES[:, None] + 1.0) / 2.0
+    near, far = (halves.at(flank, height) for flank in (places.flank, places.flank ^ 1))
+    width, off = near + far, (near - far) / 2.0
+    moment = load.across * (load.height_mm - height) - load.down * (load.aside_mm - off)
+    bent, pressed_down = 12.0 / modulus * moment * moment, load.down**2 / modulus
+    energy = (bent / (width * width) + pressed_down + 1.2 / shear * load.across**2) / width
+    tooth = length / 2.0 * (WEIGHTS @ energy)
+
+    root, other = (halves.at(flank, foot) for flank in (places.flank, places.flank ^ 1))
+    # The moment about the foot's middle is the load's part across times its arm u.
+    turning = load.across * length - load.down * (load.aside_mm - (root - other) / 2.0)
+    slender = turning / (root + other)
+    foundation = 18.0 / pi * slender**2 + 2.0 * (1.0 - 2.0 * poisson) / (1.0 - poisson) * slender * load.across
+    foundation += 4.8 / pi * load.across**2 + 2.0 * (1.0 - poisson) / pi * load.down**2
+
+    thick = halves.at(places.flank, load.height_mm) + halves.at(places.flank ^ 1, load.height_mm)
+    depth = thick / 2.0 / np.maximum(load.across, LEAST_ACROSS)
+    return tooth / frames.slender, foundation / (modulus * frames.slender), depth
 
 
 def estimate_of(gear: ToothedGear, material: Material, helix_rad: float = 0.0) -> Estimate:
@@ -261,8 +273,14 @@ def estimate_of(gear: ToothedGear, material: Material, helix_rad: float = 0.0) -
 
     Raises NoSuchMechanism for a flank without a fillet, and names the flank.
     """
+    return Estimate(material, *_beams_of(gear, cos(helix_rad)))
+
+
+@lru_cache(maxsize=4)
+def _beams_of(gear: ToothedGear, slender: float) -> tuple[ToothFrames, Halves, RootSections]:
+    """The teeth of a gear but for their material; kept as the compliance of their bodies, which depends on them."""
     flanks, sides = gear.flanks, gear.sides
-    frames = _frames(flanks, cos(helix_rad))
+    frames = _frames(flanks, slender)
     runs = {kind: np.flatnonzero(sides.kind == kind) for kind in SAMPLES}
     bare = np.flatnonzero(np.bincount(sides.owner[runs[FILLET]], minlength=flanks.count) == 0)
     if bare.size:
@@ -287,7 +305,7 @@ def estimate_of(gear: ToothedGear, material: Material, helix_rad: float = 0.0) -
     # Beyond a lean of a right angle, on rings, the fillet rises again.
     falling = lean < pi / 2.0
     halves = _halves(frames, owner[falling], point[falling], flanks.count)
-    return Estimate(material, frames, halves, _sections(flanks, frames, *sampled[1]))
+    return frames, halves, _sections(flanks, frames, *sampled[1])
 
 
 def _frames(flanks: Flanks, slender: float) -> ToothFrames:

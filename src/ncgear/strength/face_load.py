@@ -322,14 +322,10 @@ def _pressing(load: Array) -> Array:
 def _hats(active: Array, part_mm: Array) -> Array:
     """The integrals of products of hat functions over the pressing stretches, shape (n, m, m), tridiagonal."""
     places = active.shape[1] + 1
-    begin, end = active[..., 0], active[..., 1]
-    powers = [part_mm * (end**k - begin**k) / k for k in (1, 2, 3)]
-    rising, both = powers[2], powers[1] - powers[2]
-    falling = powers[0] - 2.0 * powers[1] + powers[2]
-    hats = np.zeros((active.shape[0], places, places))
-    every = np.arange(places - 1)
-    hats[:, every, every] = falling
-    hats[:, every + 1, every + 1] += rising
-    hats[:, every, every + 1] = both
-    hats[:, every + 1, every] = both
-    return hats
+    first, squared = np.diff(active)[..., 0], active * active
+    second, third = (np.diff(one)[..., 0] / k for one, k in ((squared, 2.0), (squared * active, 3.0)))
+    hats = np.zeros((active.shape[0], places * places))
+    hats[:, : -1 : places + 1] = part_mm * (first - 2.0 * second + third)
+    hats[:, places + 1 :: places + 1] += part_mm * third
+    hats[:, 1 :: places + 1] = hats[:, places :: places + 1] = part_mm * (second - third)
+    return hats.reshape(-1, places, places)

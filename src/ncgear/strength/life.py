@@ -23,12 +23,12 @@ from ncgear.strength.conditions import Conditions, Running, face_load_factor_of_
 from ncgear.strength.contacts import LoadedContacts
 from ncgear.strength.hertz import hertz_pressure_mpa
 from ncgear.strength.material import EnduredStress, Material
-from ncgear.strength.method import ToothMethod
+from ncgear.strength.sections import InSections
 
 
 def stresses_of(
     contacts: LoadedContacts,
-    methods: tuple[ToothMethod, ToothMethod],
+    methods: tuple[InSections, InSections],
     materials: tuple[Material, Material],
     conditions: Conditions,
     running: Running,

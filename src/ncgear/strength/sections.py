@@ -22,7 +22,7 @@ from math import atan, ceil, cos, tan
 import numpy as np
 
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.arrays import Array
 from ncgear.strength.contacts import FlankPlaces
 from ncgear.strength.method import RootStress, ToothMethod
 from ncgear.teeth.gear import ToothedPair
@@ -66,7 +66,7 @@ def count_of(advance_mm: float, pitch_mm: float) -> int:
 
 @dataclass(frozen=True, eq=False)
 class InSections:
-    """The teeth of one gear with a method for each section (a ``ToothMethod``), for places with known sections.
+    """The teeth of one gear with a method for each section, for places with known sections.
 
     ``rim_factor`` is Y_B of each tooth, shape (z,): the factor of a thin wall under it on the stress at its root.
     """
@@ -79,22 +79,13 @@ class InSections:
         """The method's word."""
         return self.each[0].name
 
-    def compliance(self, places: FlankPlaces, reach_mm: Array) -> Array:
-        """Way by which flanks yield along the load, shape (n,), see ``ToothMethod``."""
-        found = np.empty_like(reach_mm)
-        for method, rows in self._rows(places):
-            found[rows] = method.compliance(places.kept(rows), reach_mm[rows])
-        return found
-
     def root_stress(self, places: FlankPlaces) -> RootStress:
         """The stresses at the root."""
+        assert places.section is not None
         tension, compression = np.empty((2, places.flank.size))
-        for method, rows in self._rows(places):
+        for number, method in enumerate(self.each):
+            rows = np.flatnonzero(places.section == number)
             one = method.root_stress(places.kept(rows))
             tension[rows], compression[rows] = one.tension_mpa, one.compression_mpa
         over = 1.0 if self.rim_factor is None else self.rim_factor[places.flank // 2]
         return RootStress(over * tension, over * compression)
-
-    def _rows(self, places: FlankPlaces) -> list[tuple[ToothMethod, IndexArray]]:
-        assert places.section is not None
-        return [(method, np.flatnonzero(places.section == number)) for number, method in enumerate(self.each)]

@@ -8,6 +8,8 @@ cycle, so that a pair is a linear spring.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from ncgear.dynamics.pair_places import PairPlaces
@@ -106,22 +108,14 @@ class LinearTeeth:
 
         Edges count as the ends of their flanks, so that the stiffness is continuous where contact passes to an edge.
         """
-        parts = [self._of_few(places.kept(rows)) for rows in row_blocks(places.driving_flank.size)]
-        return np.concatenate([np.empty(0), *parts])
-
-    def _of_few(self, places: PairPlaces) -> Array:
-        driving, first = on_flanks(
-            self.teeth.driving, FlankPlaces(places.driving_flank, places.driving_point, places.driving_inwards)
-        )
-        driven, second = on_flanks(
-            self.teeth.driven, FlankPlaces(places.driven_flank, places.driven_point, places.driven_inwards)
-        )
-        reach = self.reach_mm(first + second)
-        own, other = self.methods
-        given: Array = own.compliance(driving, reach) + other.compliance(driven, reach)
+        (own, other), parts = self.methods, [np.empty(0)]
+        for driving, driven, curvature in _placed(self.teeth, places):
+            reach = self.reach_mm(curvature)
+            parts.append(own.compliance(driving, reach) + other.compliance(driven, reach))
+        given = np.concatenate(parts)
         if not np.all(np.isfinite(given) & (given > 0.0)):
             raise Unanswered("the compliance of a pair of teeth is not above 0")
-        return self.face_width_mm / given
+        return np.asarray(self.face_width_mm / given)
 
     def reach_mm(self, curvature: Array) -> Array:
         """Half-width of the contact of flanks with a sum of curvatures in 1/mm, shape (n,)."""
@@ -129,6 +123,19 @@ class LinearTeeth:
         sharpest, flattest = 1.0 / (SHARPEST_IN_MODULES * module), 1.0 / (FLATTEST_IN_MODULES * module)
         load = np.full(curvature.shape, self.line_load_n_mm)
         return half_width_mm(load, np.clip(curvature, flattest, sharpest), self.materials)
+
+
+@lru_cache(maxsize=4)
+def _placed(teeth: ToothedPair, places: PairPlaces) -> list[tuple[FlankPlaces, FlankPlaces, Array]]:
+    """Blocks of places on the driving and the driven flanks, and the sums of the flanks' curvatures; kept as gaps."""
+    found = []
+    for rows in row_blocks(places.driving_flank.size):
+        some = places.kept(rows)
+        driving = FlankPlaces(some.driving_flank, some.driving_point, some.driving_inwards)
+        driven = FlankPlaces(some.driven_flank, some.driven_point, some.driven_inwards)
+        (driving, first), (driven, second) = on_flanks(teeth.driving, driving), on_flanks(teeth.driven, driven)
+        found.append((driving, driven, first + second))
+    return found
 
 
 ISO_N_MM_UM = 14.0

@@ -164,27 +164,32 @@ class Surfaces:
         return lasting if scuffing is None else min(lasting, scuffing / LEAST_SCUFFING)
 
 
+Touched = tuple[LoadedContacts, Array, Pressed]
+"""The contacts of flanks among all contacts of some positions, their K_V, and as film and heat need them."""
+
+
 @dataclass(frozen=True, eq=False)
 class _Pair:
     """The common values of all places of contact of a pair.
 
-    ``uneven`` gives K_Hbeta of all contacts of some positions, ``shaken`` their K_V; ``bulk_c`` is the temperature of
-    the teeth.
+    ``shaken`` gives K_V of all contacts of some positions, ``uneven`` their K_Hbeta by the application factor and K_V;
+    ``bulk_c`` is the temperature of the teeth.
     """
 
     materials: tuple[Material, Material]
     conditions: Conditions
     running: Running
     coefficients_mm3_n_m: tuple[float, float]
-    uneven: Callable[[LoadedContacts], Array]
+    uneven: Callable[[LoadedContacts, float, Array], Array]
     shaken: Callable[[LoadedContacts], Array]
     oil: Oil | None
     bulk_c: float = 0.0
 
-    def touching(self, contacts: LoadedContacts) -> tuple[LoadedContacts, Array, Pressed]:
-        """The contacts of flanks among all contacts of some positions, their K_V, and as film and heat need them."""
+    def touching(self, contacts: LoadedContacts) -> Touched:
+        """The contacts of flanks among all contacts of some positions."""
         shaken = self.shaken(contacts)
-        load = self.uneven(contacts) * shaken_n_mm(contacts, self.conditions, self.running, shaken)
+        uneven = self.uneven(contacts, self.conditions.application_factor, shaken)
+        load = uneven * shaken_n_mm(contacts, self.conditions, self.running, shaken)
         kept, load = contacts.kept(contacts.flanks), load[contacts.flanks]
         return kept, shaken[contacts.flanks], Pressed(load, kept.relative_curvature, kept.rolling_mm_s / 1000.0)
 
@@ -223,21 +228,23 @@ def surfaces_of(
     warm: tuple[ToothTemperature, ToothTemperature],
     conditions: Conditions,
     running: Running,
-    uneven: Callable[[LoadedContacts], Array],
+    uneven: Callable[[LoadedContacts, float, Array], Array],
     shaken: Callable[[LoadedContacts], Array],
 ) -> Surfaces:
     """The state of the flanks under their loads, with all factors of load of the pressure.
 
-    ``uneven`` gives K_Hbeta and ``shaken`` K_V of contacts, shape (n,), from all contacts of their positions.
+    ``shaken`` gives K_V of contacts, shape (n,), from all contacts of their positions, and ``uneven`` K_Hbeta by the
+    application factor and K_V.
     """
     mates = (choices, choices[::-1])
     plastic = [isinstance(choice.entry, Plastic) for choice in choices]
     oil = None if any(plastic) or conditions.lubrication == "dry" else Oil.of(conditions)
     first, second = (coefficient_mm3_n_m(*both, conditions) for both in mates)
     pair = _Pair(materials, conditions, running, (first, second), uneven, shaken, oil)
+    touched = pair.touching(loading.contacts)
     if oil is not None:
-        pair = replace(pair, bulk_c=_bulk_c(pair, oil, loading))
-    thin, hot, *worn = _largest(pair, loading)
+        pair = replace(pair, bulk_c=_bulk_c(pair, oil, loading, touched))
+    thin, hot, *worn = _largest(pair, loading, touched)
     limit = LIMIT_MODULES * running.module_mm
     wear = Wear((first, second), (worn[0], worn[1]), worn[2].value + worn[3].value, limit, conditions.life_h)
     film, scuffs_c = None, None
@@ -276,19 +283,19 @@ def _creep(loading: Loading, choices: tuple[Choice, Choice], conditions: Conditi
     return Creep(way, way * max(factor for factor in factors if factor is not None), loaded_h)
 
 
-def _bulk_c(pair: _Pair, oil: Oil, loading: Loading) -> float:
+def _bulk_c(pair: _Pair, oil: Oil, loading: Loading, touched: Touched) -> float:
     """The temperature of the teeth: the oil's, plus a share of the mean flash temperature over the cycle."""
-    touching, _, pressed = pair.touching(loading.contacts)
+    touching, _, pressed = touched
     flash = pair.flash(pressed, oil)[loading.even[touching.position]]
     share = BULK_SHARE[pair.conditions.lubrication]
     return pair.conditions.oil_temperature_c + share * float(flash.mean() if flash.size else 0.0)
 
 
-def _largest(pair: _Pair, loading: Loading) -> list[ContactValue]:
+def _largest(pair: _Pair, loading: Loading, touched: Touched) -> list[ContactValue]:
     """The largest value of each quantity over the cycle, with its place."""
 
-    def over(contacts: LoadedContacts, count: int) -> tuple[LoadedContacts, Array, Array]:
-        touching, shaken, pressed = pair.touching(contacts)
+    def over(touched: Touched, count: int) -> tuple[LoadedContacts, Array, Array]:
+        touching, shaken, pressed = touched
         found = pair.quantities(touching.side, shaken, pressed)
         largest = np.zeros((len(found), count))
         for row, values in zip(largest, found, strict=True):
@@ -296,15 +303,15 @@ def _largest(pair: _Pair, loading: Loading) -> list[ContactValue]:
         return touching, found, largest
 
     def at(rolled_mm: Array) -> Array:
-        return over(loading.between(rolled_mm), rolled_mm.size)[2]
+        return over(pair.touching(loading.between(rolled_mm)), rolled_mm.size)[2]
 
-    known = over(loading.contacts, loading.rolled_mm.size)[2]
+    known = over(touched, loading.rolled_mm.size)[2]
     places, values = loading.rolled_mm, known
     if loading.closed:
         places, values = np.append(places, places[0] + loading.cycle_mm), np.hstack([known, known[:, :1]])
     extremes = largest_from(at, places, values, KNOWN * known.max(axis=1))
     rolled = np.array([one.at for one in extremes])
-    touching, found, _ = over(loading.between(rolled), rolled.size)
+    touching, found, _ = over(pair.touching(loading.between(rolled)), rolled.size)
     return [_place(touching, np.where(touching.position == row, found[row], -1.0)) for row in range(rolled.size)]
 
 
