@@ -131,10 +131,11 @@ def texts(steps: bool = False) -> list[str]:
         f'<path d="M{" L".join(texts())} Z"/>',
         f'<path d="m {" ".join(texts(steps=True))} z"/>',
         f'<path d="m{"l".join(texts(steps=True))}"/>',
+        f'<path d="M{"l".join(texts(steps=True)).replace(",-", "-").replace("0.", ".")}z"/>',
         f'<polygon points="{" ".join(texts())}"/>',
         f'<polyline transform="skewX(3)" points="{" ".join(texts())}"/>',
     ],
-    ids=["places", "steps", "open steps", "polygon", "polyline"],
+    ids=["places", "steps", "open steps", "compact", "polygon", "polyline"],
 )
 def test_long_chains_of_svg_are_those_of_the_library(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, element: str
@@ -158,4 +159,4 @@ def test_another_path_is_left_to_the_library(more: str) -> None:
     assert chain is not None
     assert chain.tolist() == [list(one) for one in POINTS]
     assert svg_chain(path + more) is None
-    assert svg_points("10-5" * 80) is None
+    assert svg_points("10 5;" * 80) is None

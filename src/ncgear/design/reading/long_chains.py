@@ -45,7 +45,11 @@ LAST = re.compile(r"\n(?=[ \t]*0[ \t]*\nSEQEND)")
 
 TAG = re.compile(r"[ \t]*(\d+)[ \t]*\n([^\n]*)\n")
 
-CHAIN = re.compile(r"\s*M[^A-DF-Za-df-z]*(L[^A-DF-Za-df-z]*)*Z?\s*|\s*m[^A-DF-Za-df-z]*(l[^A-DF-Za-df-z]*)*z?\s*")
+NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+"""A number of SVG; a sign or a second point begins the next one."""
+
+PLACES, PAIR = "[^A-DF-Za-df-z]*", rf"\s*{NUMBER.pattern}\s*,?\s*{NUMBER.pattern}\s*"
+CHAIN = re.compile(rf"\s*(M{PLACES}(L{PLACES})*|(m{PLACES}|M{PAIR}l{PLACES})(l{PLACES})*)[Zz]?\s*")
 """A path of SVG that is one chain of chords, by places or by steps."""
 
 
@@ -150,19 +154,18 @@ class DxfText:
 
 def svg_chain(data: str) -> Array | None:
     """The vertices of a path of SVG that is one long chain of chords, shape (n, 2); None for another path."""
-    if len(data) < LONG or not CHAIN.fullmatch(data):
+    if len(data) < LONG or not (found := CHAIN.fullmatch(data)):
         return None
     points = svg_points(re.sub("[MmLlZz]", " ", data))
     if points is None:
         return None
-    points = np.cumsum(points, axis=0) if data.lstrip()[0] == "m" else points
+    points = np.cumsum(points, axis=0) if found[3] else points
     return np.concatenate([points, points[:1]]) if data.rstrip()[-1] in "Zz" else points
 
 
 def svg_points(data: str) -> Array | None:
-    """The points of a long list of SVG, shape (n, 2); None for a short one, or for numbers that are not apart."""
-    try:
-        numbers = np.array(data.replace(",", " ").split(), dtype=float)
-    except ValueError:
+    """The points of a long list of SVG, shape (n, 2); None for a short one, or for other signs than numbers."""
+    if NUMBER.sub("", data).strip(" ,\t\r\n"):
         return None
+    numbers = np.array([*map(float, NUMBER.findall(data))])
     return numbers.reshape(-1, 2) if len(numbers) >= 2 * LONG and len(numbers) % 2 == 0 else None

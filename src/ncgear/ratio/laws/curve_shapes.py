@@ -218,8 +218,9 @@ def smoothed_points(
     def missed(spline: BSpline) -> Array:
         return np.abs(spline(folded, extrapolate="periodic") - radius_mm)
 
-    def within(tolerance_mm: float) -> tuple[BSpline, bool]:
-        """The spline within a tolerance, or the smoothest one from which points only scatter, and whether they do."""
+    def within(tolerance_mm: float) -> tuple[BSpline, Array, bool]:
+        """The spline within a tolerance, or the smoothest one from which points only scatter, how far it misses them,
+        and whether they scatter."""
         # Of many places, the means of a few neighbours show the curve; all places are judged.
         for few in (_means(*closed, each, period), closed) if each > 1 else (closed,):
             sum_ = len(few[0]) * tolerance_mm**2
@@ -231,21 +232,25 @@ def smoothed_points(
                 spline = BSpline(*knots_and_more)
                 if fault > 0 or (few is not closed and len(spline.t) > len(few[0]) // 2):
                     break
-                if halving >= 0 and np.max(missed(spline)) <= tolerance_mm:
-                    return spline, False
-                # At a corner a few points miss the curve by more than the others.
                 noise = shows_scatter and _are_noise(spline(few[0]) - few[1])
-                if noise and np.median(missed(spline)) > COMMON * tolerance_mm:
-                    return spline, True
-        return make_interp_spline(*closed, k=DEGREE, bc_type="periodic"), False
+                if halving < 0 and not noise:
+                    continue
+                misses = missed(spline)
+                if halving >= 0 and np.max(misses) <= tolerance_mm:
+                    return spline, misses, False
+                # At a corner a few points miss the curve by more than the others.
+                if noise and np.median(misses) > COMMON * tolerance_mm:
+                    return spline, misses, True
+        through = make_interp_spline(*closed, k=DEGREE, bc_type="periodic")
+        return through, missed(through), False
 
-    spline, scattered = within(tolerance_mm)
-    worst = int(np.argmax(missed(spline)))
-    missed_mm = float(missed(spline)[worst])
+    spline, misses, scattered = within(tolerance_mm)
+    worst = int(np.argmax(misses))
+    missed_mm = float(misses[worst])
     at = f"the point at {in_words(float(angle_rad[worst]))}, {radius_mm[worst]:.6g} mm"
     if scattered:
         kept_mm = float(shown_above(missed_mm, 3))
-        while within(kept_mm)[1]:
+        while within(kept_mm)[2]:
             kept_mm = float(shown_above(WIDER * kept_mm, 3))
         raise NoSuchMechanism(
             f"the points scatter about {'a smooth curve' if repeats == 1 else f'{repeats} equal lobes'}, {at}, by "
