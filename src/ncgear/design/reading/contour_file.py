@@ -7,6 +7,7 @@ of all systems are read: ASCII with both kinds of line ends, in their own code p
 from __future__ import annotations
 
 import codecs
+import struct
 from collections.abc import Iterable, Iterator, Mapping
 from decimal import Decimal
 from io import StringIO
@@ -89,6 +90,8 @@ def contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
             raise WrongInput(_holds_none(document, every, shown, layer), location=str(file))
         found = {"curves": curves, "near": _near(read)}
         unit = UNITS.get(document.header.get("$INSUNITS", 0))
+    except (StopIteration, struct.error) as error:
+        raise _cut_off(file) from error
     except (DXFError, ValueError, ArithmeticError, TypeError, KeyError, IndexError, AttributeError) as error:
         said = " ".join(str(error).split())
         raise WrongInput(
@@ -116,14 +119,18 @@ def _document(file: Path) -> tuple[Drawing, list[Array]]:
         cut = DxfText(content.decode(dxf_file_info(str(file)).encoding, errors="surrogateescape"))
         return ezdxf.read(StringIO(cut.text)), cut.chains
     except DXFStructureError as error:
-        if "missing EOF" not in str(error):
+        if "missing" not in str(error):
             raise
-        raise WrongInput("has no EOF at its end: it is cut off; save it again", location=str(file)) from error
+        raise _cut_off(file) from error
     except OSError as error:
         begins = content[:40].decode("ascii", errors="replace").split("\n")[0]
         raise WrongInput(
             f"is no DXF file that can be read: it begins with {quoted(begins)}", location=str(file)
         ) from error
+
+
+def _cut_off(file: Path) -> WrongInput:
+    return WrongInput("has no EOF at its end: it is cut off; save it again", location=str(file))
 
 
 def _whole(entities: Iterable[DXFEntity], chains: list[Array]) -> Iterator[DXFEntity]:
