@@ -647,7 +647,7 @@ RING = {"x_mm": [30.0, 0.0, -30.0, 0.0], "y_mm": [0.0, 30.0, 0.0, -30.0]}
                     "tolerance_mm": 0.1,
                 }
             },
-            "the points do not go round the axis",
+            r"does not go round its axis, which is at \(99, 0\) mm; axis_x_mm: 0, axis_y_mm: 0 is its middle",
         ),
     ],
 )

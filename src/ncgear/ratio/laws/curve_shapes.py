@@ -159,6 +159,28 @@ def chain(curves: Sequence[RationalSpline], axis_mm: Point, key: str) -> ClosedC
     return drawn(parts, key)
 
 
+def goes_round(points_mm: Array, axis_mm: Point) -> bool:
+    """Whether a closed row of points (shape (n, 2)) goes round the axis."""
+    away = np.concatenate([points_mm, points_mm[:1]]) - np.array(axis_mm)
+    angles = np.unwrap(np.arctan2(away[:, 1], away[:, 0]))
+    return round(float(angles[-1] - angles[0]) / tau) != 0
+
+
+def middle_mm(points_mm: Array) -> Point | None:
+    """The middle of a closed row of points (shape (n, 2)), in whole hundredths, if they go round it."""
+    x, y = ((points_mm.min(axis=0) + points_mm.max(axis=0)) / 2.0).round(2).tolist()
+    return (x, y) if goes_round(points_mm, (x, y)) else None
+
+
+def require_round(points_mm: Array, axis_mm: Point, key: str) -> None:
+    """Raise NoSuchMechanism, with a place that is right, where a closed row of points does not go round the axis."""
+    if goes_round(points_mm, axis_mm):
+        return
+    middle, (x, y) = middle_mm(points_mm), axis_mm
+    right = f"axis_x_mm: {middle[0]:g}, axis_y_mm: {middle[1]:g} is its middle" if middle else "move the axis"
+    raise NoSuchMechanism(f"the curve does not go round its axis, which is at ({x:g}, {y:g}) mm; {right}", key=key)
+
+
 def polar_points(points_mm: Array, tolerance_mm: float, key: str) -> tuple[Array, Array]:
     """Polar angle in rad and radius in mm of points (shape (n, 2)) around the axis, in either sense.
 
@@ -172,8 +194,10 @@ def polar_points(points_mm: Array, tolerance_mm: float, key: str) -> tuple[Array
     steps = np.diff(np.unwrap(np.arctan2(points_mm[:, 1], points_mm[:, 0])))
     turns = round(float(steps.sum()) / tau)
     if turns not in (1, -1):
-        said = f"go round the axis {abs(turns)} times" if turns else "do not go round the axis"
-        raise NoSuchMechanism(f"the points {said}; once is right: move the axis, or put them in order", key=key)
+        raise NoSuchMechanism(
+            f"the points go round the axis {abs(turns)} times; once is right: move the axis, or put them in order",
+            key=key,
+        )
     along = np.concatenate([[0.0], turns * np.cumsum(steps)])
     back_mm = radius * (np.maximum.accumulate(along) - along)
     if np.max(back_mm) > tolerance_mm:
