@@ -58,6 +58,9 @@ SPLINE_FRAME = 16
 FULL = 1e-5
 """Largest difference in rad of a whole ellipse from a full turn: programs write 6.28318 for 2 pi."""
 
+CUT_OFF = (StopIteration, struct.error)
+"""Errors of the library where a file ends too early."""
+
 POINT = 1e-9
 """A circle or an arc with a smaller radius, in the drawing's unit, has no length."""
 
@@ -90,13 +93,12 @@ def contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
             raise WrongInput(_holds_none(document, every, shown, layer), location=str(file))
         found = {"curves": curves, "near": _near(read)}
         unit = UNITS.get(document.header.get("$INSUNITS", 0))
-    except (StopIteration, struct.error) as error:
-        raise _cut_off(file) from error
-    except (DXFError, ValueError, ArithmeticError, TypeError, KeyError, IndexError, AttributeError) as error:
+    except (DXFError, ValueError, ArithmeticError, TypeError, LookupError, AttributeError, *CUT_OFF) as error:
         said = " ".join(str(error).split())
-        raise WrongInput(
-            f"is no DXF file that can be read: {quoted(said)}; save it as DXF again", location=str(file)
-        ) from error
+        problem = f"is no DXF file that can be read: {quoted(said)}; save it as DXF again"
+        if isinstance(error, CUT_OFF) or "missing E" in said:
+            problem = "has no EOF at its end: it is cut off; save it again"
+        raise WrongInput(problem, location=str(file)) from error
     return FromFile(found if unit is None else {**found, "drawn_in": unit})
 
 
@@ -105,7 +107,6 @@ def _document(file: Path) -> tuple[Drawing, list[Array]]:
     the reason."""
     import ezdxf
     from ezdxf.filemanagement import dxf_file_info
-    from ezdxf.lldxf.const import DXFStructureError
     from ezdxf.lldxf.validator import is_binary_dxf_file, is_dxf_file
 
     content = read_bytes(file, limit_mb=LARGEST_MB)
@@ -118,19 +119,11 @@ def _document(file: Path) -> tuple[Drawing, list[Array]]:
             return ezdxf.readfile(str(file)), []
         cut = DxfText(content.decode(dxf_file_info(str(file)).encoding, errors="surrogateescape"))
         return ezdxf.read(StringIO(cut.text)), cut.chains
-    except DXFStructureError as error:
-        if "missing" not in str(error):
-            raise
-        raise _cut_off(file) from error
     except OSError as error:
         begins = content[:40].decode("ascii", errors="replace").split("\n")[0]
         raise WrongInput(
             f"is no DXF file that can be read: it begins with {quoted(begins)}", location=str(file)
         ) from error
-
-
-def _cut_off(file: Path) -> WrongInput:
-    return WrongInput("has no EOF at its end: it is cut off; save it again", location=str(file))
 
 
 def _whole(entities: Iterable[DXFEntity], chains: list[Array]) -> Iterator[DXFEntity]:
@@ -150,13 +143,13 @@ def _light(entity: Line | Polyline) -> LWPolyline:
     """A polyline of R12, or a line, as a polyline of later files, still without vertices."""
     from ezdxf.entities import LWPolyline, Polyline
 
-    found = LWPolyline.new(dxfattribs={key: entity.dxf.get(key) for key in ("layer", "invisible")})
+    found = {key: entity.dxf.get(key) for key in ("layer", "invisible")}
     if isinstance(entity, Polyline):
-        found.dxf.extrusion, found.closed = entity.dxf.extrusion, entity.is_closed
-        found.dxf.elevation = entity.vertices[0].dxf.location.z if entity.vertices else 0.0
+        height = entity.vertices[0].dxf.location.z if entity.vertices else 0.0
+        found |= {"extrusion": entity.dxf.extrusion, "flags": int(entity.is_closed)}
     else:
-        found.dxf.elevation = entity.dxf.start.z
-    return found
+        height = entity.dxf.start.z
+    return LWPolyline.new(dxfattribs={**found, "elevation": height})
 
 
 def _decoded(name: str) -> str:

@@ -18,8 +18,7 @@ LONG = 1000
 """Least number of vertices of a long chain."""
 
 MARK = 1e250
-"""Thickness of what stands for the first long chain of a DXF file, which no drawing has; the k-th has k times as
-much."""
+"""Thickness of what stands for the first long chain of a DXF file, the k-th has k times as much; no drawing has it."""
 
 COLUMNS = {"10": 0, "20": 1, "40": 2, "41": 3, "42": 4}
 """Columns of a vertex of a polyline of DXF by the codes of its values: x, y, both widths and the bulge."""
@@ -32,17 +31,12 @@ COMMON = ("5", "330", "100", "8", "6", "48", "62", "370", "420")
 
 OF_LINE, OF_VERTEX = {*COMMON, *ENDS}, {*COMMON, *COLUMNS, "30", "70"}
 
-FLAGS = ("0", "1", "128", "129")
-"""Flags of a flat polyline that is neither smoothed nor a mesh, open or closed."""
-
 ENTITIES = re.compile(r"\n[ \t]*2[ \t]*\nENTITIES[ \t]*\n")
 ENTITY = re.compile(r"[ \t]*0[ \t]*\n([A-Z]\w*)[ \t]*\n")
 NEXT = re.compile(r"\n(?=[ \t]*0[ \t]*\n[A-Z])")
 """Before a code 0, which a name follows; a value 0 is followed by a number."""
 
 LAST = re.compile(r"\n(?=[ \t]*0[ \t]*\nSEQEND)")
-"""Before the end of a polyline of R12."""
-
 TAG = re.compile(r"[ \t]*(\d+)[ \t]*\n([^\n]*)\n")
 
 NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
@@ -54,8 +48,7 @@ CHAIN = re.compile(rf"\s*(M{PLACES}(L{PLACES})*|(m{PLACES}|M{PAIR}l{PLACES})(l{P
 
 
 class DxfText:
-    """The text of a DXF file whose long chains are cut to a line or two vertices; ``chains`` are their rows, by
-    ``COLUMNS``.
+    """The text of a DXF file whose long chains are cut to a line or two vertices, and their rows, by ``COLUMNS``.
 
     A chain is a polyline, or a run of lines that follow each other on a layer. ``MARK`` times its number, from 1, is
     the thickness of what stands for it.
@@ -133,7 +126,8 @@ class DxfText:
         if not (first and first[1] == "VERTEX" and follows and closes):
             return end
         vertex = [("0", "VERTEX"), *TAG.findall(self._whole, first.end(), follows.end())]
-        flat = head.get("70", "0").strip() in FLAGS and dict(vertex).get("70", "0").strip() == "0"
+        # Flags of a flat polyline that is neither smoothed nor a mesh, open or closed.
+        flat = int(head.get("70", "0")) in (0, 1, 128, 129) and int(dict(vertex).get("70", "0")) == 0
         if flat and "10" in head and OF_VERTEX.issuperset(code for code, _ in vertex[1:]):
             self._vertices(begin, set(head) - {"10", "20"}, end, vertex, closes.end())
         return closes.end()

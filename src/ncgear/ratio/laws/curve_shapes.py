@@ -194,10 +194,8 @@ def polar_points(points_mm: Array, tolerance_mm: float, key: str) -> tuple[Array
     steps = np.diff(np.unwrap(np.arctan2(points_mm[:, 1], points_mm[:, 0])))
     turns = round(float(steps.sum()) / tau)
     if turns not in (1, -1):
-        raise NoSuchMechanism(
-            f"the points go round the axis {abs(turns)} times; once is right: move the axis, or put them in order",
-            key=key,
-        )
+        said = f"the points go round the axis {abs(turns)} times; once is right: move the axis, or put them in order"
+        raise NoSuchMechanism(said, key=key)
     along = np.concatenate([[0.0], turns * np.cumsum(steps)])
     back_mm = radius * (np.maximum.accumulate(along) - along)
     if np.max(back_mm) > tolerance_mm:
