@@ -10,9 +10,11 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import ezdxf
+import numpy as np
 import pytest
 from ezdxf.document import Drawing
 
+from ncgear.design.reading.contour_file import contour_of
 from ncgear.errors import WrongInput
 from ncgear.figures.advice.machine_advice import drawing
 from test_pitch_curves import from_folder
@@ -235,6 +237,17 @@ def test_a_file_that_is_something_else_says_what_it_is(tmp_path: Path, content: 
         from_folder(tmp_path)
     assert said in str(refused.value)
     assert len(str(refused.value)) < 400
+
+
+@pytest.mark.parametrize("binary", [False, True], ids=["ASCII", "binary"])
+def test_a_file_that_is_cut_off_anywhere_is_refused(tmp_path: Path, binary: bool) -> None:
+    file = tmp_path / "contour.dxf"
+    made(circle).saveas(file, fmt="bin" if binary else "asc")
+    content = file.read_bytes()
+    for share in np.linspace(0.01, 0.999, 40):
+        file.write_bytes(content[: int(share * len(content))])
+        with pytest.raises(WrongInput):
+            contour_of(file, {})
 
 
 def test_another_unit_and_a_gap_are_remarked_and_cost_no_clean_verdict(tmp_path: Path) -> None:

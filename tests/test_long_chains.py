@@ -38,6 +38,16 @@ def bulged(space: Any) -> None:
     space.add_lwpolyline(rows, close=True, dxfattribs={"elevation": 4.0})
 
 
+def heavy(space: Any, bulge: float = 0.0, flags: int = 0) -> None:
+    """A polyline of R12 with a vertex for each entity, before a line."""
+    rows = [(x, y, 0.0, 0.0, bulge) for x, y in POINTS]
+    line = space.add_polyline2d(rows, format="xyseb", close=True)
+    line.dxf.flags |= flags
+    for vertex in line.vertices:
+        vertex.dxf.location = vertex.dxf.location.replace(z=2.0)
+    space.add_line((0.0, 0.0, 2.0), (1.0, 0.0, 2.0))
+
+
 def lines(space: Any, height: float = 0.0, layers: tuple[str, ...] = ("0",)) -> None:
     for i, (x, y) in enumerate(POINTS):
         end = POINTS[(i + 1) % COUNT]
@@ -65,15 +75,34 @@ def turned(space: Any) -> None:
     ("add", "version", "chains"),
     [
         (polyline, "R2000", 1),
+        (heavy, "R12", 1),
+        (heavy, "R2010", 1),
+        (lambda space: heavy(space, bulge=0.01), "R12", 1),
+        (lambda space: heavy(space, flags=4), "R12", 0),
+        (lambda space: space.add_polyline3d(POINTS), "R12", 0),
         (bulged, "R2010", 1),
         (lines, "R2010", 1),
-        (lines, "R12", 0),
+        (lines, "R12", 1),
         (lambda space: lines(space, layers=("a", "b")), "R2010", 0),
         (with_others, "R2010", 2),
         (tilted, "R2010", 0),
         (turned, "R2010", 1),
     ],
-    ids=["polyline", "bulges", "lines", "R12", "two layers", "among others", "tilted", "from below"],
+    ids=[
+        "polyline",
+        "R12",
+        "R12 in R2010",
+        "bulges in R12",
+        "smoothed",
+        "in space",
+        "bulges",
+        "lines",
+        "lines in R12",
+        "two layers",
+        "among others",
+        "tilted",
+        "from below",
+    ],
 )
 def test_long_chains_of_dxf_are_those_of_the_library(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, add: Callable[[Any], object], version: str, chains: int
@@ -102,10 +131,11 @@ def texts(steps: bool = False) -> list[str]:
         f'<path d="M{" L".join(texts())} Z"/>',
         f'<path d="m {" ".join(texts(steps=True))} z"/>',
         f'<path d="m{"l".join(texts(steps=True))}"/>',
+        f'<path d="M{"l".join(texts(steps=True)).replace(",-", "-").replace("0.", ".")}z"/>',
         f'<polygon points="{" ".join(texts())}"/>',
         f'<polyline transform="skewX(3)" points="{" ".join(texts())}"/>',
     ],
-    ids=["places", "steps", "open steps", "polygon", "polyline"],
+    ids=["places", "steps", "open steps", "compact", "polygon", "polyline"],
 )
 def test_long_chains_of_svg_are_those_of_the_library(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, element: str
@@ -129,4 +159,4 @@ def test_another_path_is_left_to_the_library(more: str) -> None:
     assert chain is not None
     assert chain.tolist() == [list(one) for one in POINTS]
     assert svg_chain(path + more) is None
-    assert svg_points("10-5" * 80) is None
+    assert svg_points("10 5;" * 80) is None

@@ -80,12 +80,18 @@ def test_a_drawing_is_named_and_a_refused_one_leads_to_the_fit(run: Run) -> None
     pytest.importorskip("svgelements")
     Path("round.svg").write_text(SVG.format('<ellipse cx="40" cy="-40" rx="30" ry="28"/>'), encoding="utf-8")
     Path("square.svg").write_text(SVG.format('<rect x="-30" y="-30" width="60" height="60"/>'), encoding="utf-8")
-    assert run("new", "two", "--shape", "square.svg")[:2] == (0, "two.yaml\n")
-    status, out, err = run("new", "one", "--shape", "round.svg")
-    assert (status, out) == (0, "one.yaml\n")
-    assert err.startswith("As it is drawn, no teeth can be made: ")
-    assert err.endswith("ncgear fit one.yaml\n")
+    assert run("new", "one", "--shape", "round.svg") == (0, "one.yaml\n", "")
     assert load("one.yaml").design.motion.svg.file == "round.svg"
+    # The axis is in the middle of the drawing.
+    assert load("one.yaml").design.motion.svg.axis_mm == (80.0, 80.0)
+    status, out, err = run("new", "two", "--shape", "square.svg")
+    assert (status, out) == (0, "two.yaml\n")
+    assert err.startswith("As it is drawn, no teeth can be made: ")
+    assert err.endswith("ncgear fit two.yaml\n")
+    Path("open.svg").write_text(SVG.format('<path d="M 0 0 H 30 V 30"/>'), encoding="utf-8")
+    status, out, err = run("new", "four", "--shape", "open.svg")
+    assert "the contour is open" in err
+    assert "ncgear fit" not in err
     for wrong, said in {"moon": "heart, square, star or a file that ends in", "none.svg": "cannot be read"}.items():
         status, out, err = run("new", "three", "--shape", wrong)
         assert (status, out) == (2, "")

@@ -204,7 +204,7 @@ def test_the_outline_of_a_picture_is_the_ellipse_to_a_share_of_a_pixel(tmp_path:
 
 def test_a_picture_without_a_silhouette_is_refused(tmp_path: Path) -> None:
     cut = silhouette().crop((100, 0, 400, 400))
-    with pytest.raises(WrongInput, match="a silhouette that reaches the edge of the picture"):
+    with pytest.raises(WrongInput, match="reaches the edge of the picture; leave room around it, or give light: true"):
         from_picture(tmp_path, cut)
     with pytest.raises(WrongInput, match=r"has no outline at a threshold of 0\.5"):
         from_picture(tmp_path, Image.new("L", (100, 100), 255))

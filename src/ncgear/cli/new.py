@@ -202,7 +202,8 @@ def _write_shape(shape: str, path: Path) -> None:
         refusal = error
     if refusal is not None:
         typer.echo(f"As it is drawn, no teeth can be made: {refusal.problem}.", err=True)
-        typer.echo(f"The nearest pair that can be made: ncgear fit {pasted(path)}", err=True)
+        if not isinstance(refusal, WrongInput):
+            typer.echo(f"The nearest pair that can be made: ncgear fit {pasted(path)}", err=True)
 
 
 def _require_name(name: str) -> None:

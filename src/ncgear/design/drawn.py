@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from ncgear.design.keys.pitch_shapes import DrawnContour, drawn_points
 from ncgear.design.reading.design_file import parsed
 from ncgear.design.rewritten import rewritten
 from ncgear.design.words import listed
@@ -35,18 +37,26 @@ def shape_of_file(file: str, key: str) -> tuple[str, dict[str, Any]]:
 
 
 def as_read(text: str, path: Path) -> str:
-    """The text of a design with a drawing, with the unit of the drawing and, for many chords, a tolerance.
+    """The text of a design with a drawing, with the unit of the drawing, a tolerance for many chords, and the axis in
+    the middle of a curve that does not go round the axis given.
 
     Raises WrongInput where the design or its drawing cannot be read.
     """
-    motion = parsed(text, path).design.motion
-    contour, changes = motion.contour, dict[str, Any]()
-    if contour is None:
+    from ncgear.ratio.laws.curve_shapes import goes_round, middle_mm
+
+    motion, changes = parsed(text, path).design.motion, dict[str, Any]()
+    kind = next(kind for kind, _ in KINDS.values() if getattr(motion, kind, None) is not None)
+    shape = getattr(motion, kind)
+    if isinstance(shape, DrawnContour):
+        if (unit := getattr(shape, "drawn_in", None)) is not None:
+            changes["unit"] = unit
+        chords = sum(len(one.x) - 1 for one in shape.curves or () if one.degree == 1)
+        if shape.tolerance_mm is None and chords > MANY_CHORDS:
+            changes["tolerance_mm"] = SMOOTHED_MM
+    elif not shape.in_plane:
         return text
-    kind = next(kind for kind, _ in KINDS.values() if getattr(motion, kind, None) is contour)
-    if (unit := getattr(contour, "drawn_in", None)) is not None:
-        changes[f"motion.{kind}.unit"] = unit
-    chords = sum(len(one.x) - 1 for one in contour.curves or () if one.degree == 1)
-    if contour.tolerance_mm is None and chords > MANY_CHORDS:
-        changes[f"motion.{kind}.tolerance_mm"] = SMOOTHED_MM
-    return rewritten(text, changes) if changes else text
+    with suppress(WrongInput):
+        points_mm = drawn_points(shape.model_copy(update=changes), f"motion.{kind}")
+        if not goes_round(points_mm, shape.axis_mm) and (middle := middle_mm(points_mm)) is not None:
+            changes["axis_x_mm"], changes["axis_y_mm"] = middle
+    return rewritten(text, {f"motion.{kind}.{key}": value for key, value in changes.items()})

@@ -127,9 +127,10 @@ class DrawnPoints(Drawn):
 
         if not self.in_plane:
             return np.array(self.angles_rad), np.array(self.radius_mm)
-        from ncgear.ratio.laws.curve_shapes import polar_points
+        from ncgear.ratio.laws.curve_shapes import polar_points, require_round
 
         points = np.column_stack([np.array(self.x_mm), np.array(self.y_mm)])
+        require_round(points, self.axis_mm, f"{KEY}.points")
         return polar_points(points - np.array(self.axis_mm), self.tolerance_mm, f"{KEY}.points")
 
 

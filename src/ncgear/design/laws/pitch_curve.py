@@ -227,6 +227,7 @@ class PitchCurve(LawKeys):
 
             joined = contour.chain(f"{key}.file")
             along = points_along(joined.parts)
+            shapes.require_round(along, contour.axis_mm, key)
             width, height = np.ptp(along, axis=0).tolist()
             facts = {"contour_gap_mm": joined.gap_mm, "contour_doubled_mm": joined.doubled_mm}
             facts |= {"contour_width_mm": width, "contour_height_mm": height}

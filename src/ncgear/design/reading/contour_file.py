@@ -7,6 +7,7 @@ of all systems are read: ASCII with both kinds of line ends, in their own code p
 from __future__ import annotations
 
 import codecs
+import struct
 from collections.abc import Iterable, Iterator, Mapping
 from decimal import Decimal
 from io import StringIO
@@ -18,16 +19,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ncgear.design.keys.pitch_shapes import MOST_CURVES
-from ncgear.design.reading.long_chains import DxfText
+from ncgear.design.reading.long_chains import MARK, DxfText
 from ncgear.design.reading.places import FromFile
 from ncgear.design.reading.text import quoted, read_bytes
 from ncgear.design.words import listed
 from ncgear.errors import WrongInput
+from ncgear.numerics.arrays import Array
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
-    from ezdxf.entities import DXFEntity, LWPolyline, Polyline, Spline
+    from ezdxf.entities import DXFEntity, Line, LWPolyline, Polyline, Spline
     from ezdxf.math import BSpline
+    from numpy.typing import ArrayLike
 
 LARGEST_MB = 20
 
@@ -55,10 +58,11 @@ SPLINE_FRAME = 16
 FULL = 1e-5
 """Largest difference in rad of a whole ellipse from a full turn: programs write 6.28318 for 2 pi."""
 
+CUT_OFF = (StopIteration, struct.error)
+"""Errors of the library where a file ends too early."""
+
 POINT = 1e-9
 """A circle or an arc with a smaller radius, in the drawing's unit, has no length."""
-
-Vertex = tuple[float, float, float]
 
 FLAT = 1e-9
 """An arc with a smaller bulge is a line: its height is less than a thousand-millionth of half its length."""
@@ -74,8 +78,8 @@ def contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
 
     layer = given.get("layer")
     try:
-        document = _document(file)
-        every = list(islice(_apart(document.modelspace(), file), MOST_ENTITIES + 1))
+        document, chains = _document(file)
+        every = list(islice(_apart(_whole(document.modelspace(), chains), file), MOST_ENTITIES + 1))
         if len(every) > MOST_ENTITIES:
             raise WrongInput(f"holds over {MOST_ENTITIES} entities; a contour alone is right", location=str(file))
         hidden = {_name(one.dxf.name) for one in document.layers if one.is_off() or one.is_frozen()}
@@ -89,20 +93,20 @@ def contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
             raise WrongInput(_holds_none(document, every, shown, layer), location=str(file))
         found = {"curves": curves, "near": _near(read)}
         unit = UNITS.get(document.header.get("$INSUNITS", 0))
-    except (DXFError, ValueError, ArithmeticError, TypeError, KeyError, IndexError, AttributeError) as error:
+    except (DXFError, ValueError, ArithmeticError, TypeError, LookupError, AttributeError, *CUT_OFF) as error:
         said = " ".join(str(error).split())
-        raise WrongInput(
-            f"is no DXF file that can be read: {quoted(said)}; save it as DXF again", location=str(file)
-        ) from error
+        problem = f"is no DXF file that can be read: {quoted(said)}; save it as DXF again"
+        if isinstance(error, CUT_OFF) or "missing E" in said:
+            problem = "has no EOF at its end: it is cut off; save it again"
+        raise WrongInput(problem, location=str(file)) from error
     return FromFile(found if unit is None else {**found, "drawn_in": unit})
 
 
-def _document(file: Path) -> Drawing:
-    """The drawing; a file that only looks like a drawing is refused with the reason."""
+def _document(file: Path) -> tuple[Drawing, list[Array]]:
+    """The drawing, and the long chains that are cut out of it; a file that only looks like a drawing is refused with
+    the reason."""
     import ezdxf
-    from ezdxf.entities import LWPolyline
     from ezdxf.filemanagement import dxf_file_info
-    from ezdxf.lldxf.const import DXFStructureError
     from ezdxf.lldxf.validator import is_binary_dxf_file, is_dxf_file
 
     content = read_bytes(file, limit_mb=LARGEST_MB)
@@ -110,24 +114,42 @@ def _document(file: Path) -> Drawing:
         raise WrongInput("is a DWG file, which is not read; save it as DXF", location=str(file))
     try:
         if content.startswith(codecs.BOM_UTF8):
-            return ezdxf.read(StringIO(content.decode("utf-8-sig"), newline=None))
+            return ezdxf.read(StringIO(content.decode("utf-8-sig"), newline=None)), []
         if len(content) < LARGE or is_binary_dxf_file(str(file)) or not is_dxf_file(str(file)):
-            return ezdxf.readfile(str(file))
+            return ezdxf.readfile(str(file)), []
         cut = DxfText(content.decode(dxf_file_info(str(file)).encoding, errors="surrogateescape"))
-        document = ezdxf.read(StringIO(cut.text))
-        for one in document.modelspace():
-            if isinstance(one, LWPolyline) and (number := -int(one.dxf.get("const_width", 0.0))) > 0:
-                one.lwpoints.values = cut.chains[number - 1]
-        return document
-    except DXFStructureError as error:
-        if "missing EOF" not in str(error):
-            raise
-        raise WrongInput("has no EOF at its end: it is cut off; save it again", location=str(file)) from error
+        return ezdxf.read(StringIO(cut.text)), cut.chains
     except OSError as error:
         begins = content[:40].decode("ascii", errors="replace").split("\n")[0]
         raise WrongInput(
             f"is no DXF file that can be read: it begins with {quoted(begins)}", location=str(file)
         ) from error
+
+
+def _whole(entities: Iterable[DXFEntity], chains: list[Array]) -> Iterator[DXFEntity]:
+    """The entities, with long chains whole again."""
+    from ezdxf.entities import Line, LWPolyline, Polyline
+
+    for one in entities:
+        if not isinstance(one, Line | LWPolyline | Polyline) or one.dxf.get("thickness", 0.0) < MARK:
+            yield one
+            continue
+        line = one if isinstance(one, LWPolyline) else _light(one)
+        line.lwpoints.values = chains[round(one.dxf.thickness / MARK) - 1]
+        yield line
+
+
+def _light(entity: Line | Polyline) -> LWPolyline:
+    """A polyline of R12, or a line, as a polyline of later files, still without vertices."""
+    from ezdxf.entities import LWPolyline, Polyline
+
+    found = {key: entity.dxf.get(key) for key in ("layer", "invisible")}
+    if isinstance(entity, Polyline):
+        height = entity.vertices[0].dxf.location.z if entity.vertices else 0.0
+        found |= {"extrusion": entity.dxf.extrusion, "flags": int(entity.is_closed)}
+    else:
+        height = entity.dxf.start.z
+    return LWPolyline.new(dxfattribs={**found, "elevation": height})
 
 
 def _decoded(name: str) -> str:
@@ -187,26 +209,33 @@ def _holds_none(document: Drawing, every: list[DXFEntity], shown: list[DXFEntity
     return f"holds no {listed(READ)}{on_layer}; {why}"
 
 
-def _curves(entity: DXFEntity) -> Iterator[BSpline | list[Vertex]]:
-    """The entity as rational B-splines and chains of chords, one after the other; some may have no length."""
+def _curves(entity: DXFEntity) -> Iterator[BSpline | Array]:
+    """The entity as rational B-splines and chains of chords (shape (n, 3)), one after the other; some may have no
+    length."""
     from ezdxf import entities as kinds
     from ezdxf.math import ConstructionEllipse, Vec3, rational_bspline_from_ellipse
 
-    if isinstance(entity, kinds.LWPolyline | kinds.Polyline):
-        line = _without_flat_bulges(entity)
-        if isinstance(line, kinds.LWPolyline) and not line.has_arc:
-            # A traced outline may have many chords: one chain has them all.
-            height = line.dxf.elevation
-            points = [(x, y, height) for x, y in _vertices(line)]
-            if (ocs := line.ocs()).transform:
-                points = [tuple(one) for one in ocs.points_to_wcs(Vec3.generate(points))]
-            if len(points) > 1:
-                yield [*points, points[0]] if line.closed else points
-        else:
+    if isinstance(entity, kinds.Polyline) and not entity.is_2d_polyline:
+        for part in entity.virtual_entities():
+            yield from _curves(part)
+    elif isinstance(entity, kinds.LWPolyline | kinds.Polyline):
+        line, rows = entity if isinstance(entity, kinds.LWPolyline) else _light(entity), _rows(entity)
+        # Doubled vertices have no length, and flat arcs are lines.
+        rows = rows[np.append(np.any(np.diff(rows[:, :2], axis=0) != 0.0, axis=1), True)] if len(rows) else rows
+        rows[:, 4] = np.where(np.abs(rows[:, 4]) < FLAT, 0.0, rows[:, 4])
+        if np.any(rows[:, 4]):
+            line = line.copy()
+            line.lwpoints.set(rows)
             for part in line.virtual_entities():
                 yield from _curves(part)
+        elif len(rows) > 1:
+            # A traced outline may have many chords: one chain has them all.
+            points = np.column_stack([rows[:, :2], np.full(len(rows), line.dxf.elevation)])
+            if (ocs := line.ocs()).transform:
+                points = np.array([tuple(one) for one in ocs.points_to_wcs(Vec3.generate(points))])
+            yield np.concatenate([points, points[:1]]) if line.closed else points
     elif isinstance(entity, kinds.Line):
-        yield [tuple(entity.dxf.start), tuple(entity.dxf.end)]
+        yield np.array([tuple(entity.dxf.start), tuple(entity.dxf.end)])
     elif isinstance(entity, kinds.Spline):
         yield _through_fit_points(entity) if not entity.control_points and entity.closed else entity.construction_tool()
     elif isinstance(entity, kinds.Ellipse):
@@ -222,25 +251,14 @@ def _curves(entity: DXFEntity) -> Iterator[BSpline | list[Vertex]]:
         yield rational_bspline_from_ellipse(around)
 
 
-def _without_flat_bulges(entity: LWPolyline | Polyline) -> LWPolyline | Polyline:
-    """The polyline without doubled vertices, without control points of a smoothed polyline, with flat arcs as lines."""
-    from ezdxf import entities as kinds
+def _rows(entity: LWPolyline | Polyline) -> Array:
+    """x, y, both widths and bulge of the vertices, shape (n, 5), without control points of a smoothed polyline."""
+    from ezdxf.entities import LWPolyline
 
-    if isinstance(entity, kinds.Polyline):
-        if not entity.is_2d_polyline:
-            return entity
-        vertices = [one for one in entity.vertices if not one.dxf.flags & SPLINE_FRAME]
-        points = np.array([(*one.dxf.location.vec2, one.dxf.get("bulge", 0.0)) for one in vertices])
-        flat = kinds.LWPolyline.new(
-            dxfattribs={"layer": entity.dxf.layer, "extrusion": entity.dxf.extrusion, "flags": int(entity.is_closed)}
-        )
-        flat.dxf.elevation = vertices[0].dxf.location.z if vertices else 0.0
-    else:
-        points, flat = np.array(entity.lwpoints.values).reshape(-1, 5)[:, [0, 1, 4]], entity.copy()
-    points = points[np.append(np.any(np.diff(points[:, :2], axis=0) != 0.0, axis=1), True)] if len(points) else points
-    bulges, width = np.where(np.abs(points[:, 2:]) < FLAT, 0.0, points[:, 2:]), np.zeros((len(points), 2))
-    flat.lwpoints.set(np.hstack([points[:, :2], width, bulges]))
-    return flat
+    if isinstance(entity, LWPolyline):
+        return np.array(entity.lwpoints.values).reshape(-1, 5)
+    kept = (one.dxf for one in entity.vertices if not one.dxf.flags & SPLINE_FRAME)
+    return np.array([(*one.location.vec2, 0.0, 0.0, one.get("bulge", 0.0)) for one in kept]).reshape(-1, 5)
 
 
 def _through_fit_points(entity: Spline) -> BSpline:
@@ -258,18 +276,19 @@ def _through_fit_points(entity: Spline) -> BSpline:
     return BSpline(spline.c.tolist(), order=4, knots=spline.t.tolist())
 
 
-def _values(curve: BSpline | list[Vertex], entity: DXFEntity, file: Path) -> dict[str, Any]:
+def _values(curve: BSpline | Array, entity: DXFEntity, file: Path) -> dict[str, Any]:
     """The curve as the keys of a part; refuses a curve that leaves the plane."""
-    x, y, z = map(list, zip(*(curve if isinstance(curve, list) else curve.control_points), strict=True))
-    size = max(map(abs, (*x, *y, *z)))
+    points = curve if isinstance(curve, np.ndarray) else np.array([tuple(one) for one in curve.control_points])
+    size = np.max(np.abs(points))
     if not isfinite(size):
         raise WrongInput("holds a coordinate that is no finite number", location=str(file))
-    if max(z) - min(z) > 1e-6 * size:
+    if np.ptp(points[:, 2]) > 1e-6 * size:
         raise WrongInput(
             "holds a part that leaves the plane of the drawing; a flat contour is needed", location=str(file)
         )
+    x, y, _ = points.T.tolist()
     part = {"layer": _decoded(entity.dxf.layer), "degree": 1, "x": x, "y": y}
-    if isinstance(curve, list):
+    if isinstance(curve, np.ndarray):
         return part
     weights = [float(weight) for weight in curve.weights()]
     # Some programs write -1 for the weights of a spline without weights.
@@ -327,43 +346,39 @@ much in the centre and the radius of an arc, are 2.9."""
 
 def _near(entities: Iterable[DXFEntity]) -> float:
     """Largest gap between ends that comes from the rounding of the drawing's numbers, in the drawing's unit."""
-    lengths, angles, turned, radius = list[float](), list[float](), list[float](), 0.0
+    lengths, angles, turned, radius = [np.zeros(0)], list[float](), list[float](), 0.0
     for one in entities:
         found = one.dxfattribs()
-        for key in ("start", "end", "center", "major_axis"):
-            lengths += [*found[key].vec2] if key in found else []
+        lengths += [np.array(found[key].vec2) for key in ("start", "end", "center", "major_axis") if key in found]
         angles += [found[key] for key in ("start_angle", "end_angle") if key in found]
         turned += [found[key] for key in ("start_param", "end_param") if key in found]
         radius = max(radius, found["major_axis"].magnitude if "major_axis" in found else 0.0)
         if "radius" in found:
-            lengths.append(found["radius"])
+            lengths.append(np.array([found["radius"]]))
             radius = max(radius, found["radius"])
-        lengths += [value for point in _vertices(one) for value in point]
-    return END_STEPS * _step(lengths) + radius * (radians(_step(angles)) + _step(turned))
+        lengths.append(_vertices(one).ravel())
+    return END_STEPS * _step(np.concatenate(lengths)) + radius * (radians(_step(angles)) + _step(turned))
 
 
-def _vertices(entity: DXFEntity) -> Iterator[tuple[float, float]]:
+def _vertices(entity: DXFEntity) -> Array:
     from ezdxf import entities as kinds
 
-    if isinstance(entity, kinds.LWPolyline):
-        yield from np.array(entity.lwpoints.values).reshape(-1, 5)[:, :2].tolist()
-    elif isinstance(entity, kinds.Polyline):
-        yield from ((one.dxf.location.x, one.dxf.location.y) for one in entity.vertices)
-    elif isinstance(entity, kinds.Spline):
-        yield from ((float(x), float(y)) for x, y, _ in entity.control_points)
+    if isinstance(entity, kinds.LWPolyline | kinds.Polyline):
+        return _rows(entity)[:, :2]
+    return np.array(entity.control_points).reshape(-1, 3)[:, :2] if isinstance(entity, kinds.Spline) else np.zeros(0)
 
 
 MOST_SEEN = 2000
 """Number of the largest numbers of a drawing that show its digits."""
 
 
-def _step(values: Iterable[float]) -> float:
+def _step(values: ArrayLike) -> float:
     """The step of rounded numbers, by the digits of the large ones: six digits or three decimals are a step of 0.001
     for numbers over 100.
 
     Numbers of one power of ten share the least step among them; the coarser step of the two highest powers counts.
     """
-    sizes = np.unique(np.abs(np.fromiter(values, dtype=float)))
+    sizes = np.unique(np.abs(np.array(values, dtype=float)))
     sizes = sizes[np.isfinite(sizes) & (sizes > 0.0)][-MOST_SEEN:]
     largest, finest = max(sizes, default=0.0), dict[int, float]()
     for value in sizes.tolist():

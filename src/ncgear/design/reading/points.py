@@ -115,21 +115,21 @@ def _of_text(text: str, path: Path) -> Iterator[FileRow]:
         if not stripped or _is_comment(stripped) or RULE.fullmatch(stripped):
             continue
         separator = separator or next((one for one in (";", "\t", "|", ",") if one in content), " ")
-        cells = content.split() if separator == " " else _cells(content, separator, f"{path}:{line}:1")
-        if separator != ",":
+        cells = content.split() if separator == " " else _cells(content, separator, path, line)
+        if separator != "," and any(sign in content and sign not in decimals for sign in (".", ",")):
             _refuse_both(cells, line, decimals, path)
-        if any(cell.strip() for cell in cells):
+        if any(map(str.strip, cells)):
             yield FileRow(line, cells if separator == "," else [_with_point(cell) for cell in cells], separator == ",")
 
 
-def _cells(content: str, separator: str, location: str) -> list[str]:
+def _cells(content: str, separator: str, path: Path, line: int) -> list[str]:
     if '"' not in content:
         return content.split(separator)
     try:
         (cells,) = csv.reader([content], delimiter=separator, strict=True, skipinitialspace=True)
     except (csv.Error, ValueError) as error:
         problem = f"is not CSV: {error}; numbers separated by commas, semicolons or tabs are right"
-        raise WrongInput(problem, location=location) from error
+        raise WrongInput(problem, location=f"{path}:{line}:1") from error
     return cells
 
 
@@ -265,7 +265,8 @@ def read_points(path: Path, columns: FileColumns) -> PointsFile:
         _append(points, places, width, row, columns.most_points)
         if not row.comma:
             for name, i in places.items():
-                forms[name].add(_form(row.cells[i].strip()))
+                if CLEAR not in forms[name]:
+                    forms[name].add(_form(row.cells[i].strip()))
     for name, found in forms.items():
         if found == {SMALL, GROUPED}:
             problem = "may have points between thousands or before decimals: 1.200 beside 971; write 1200 or 1.2000"

@@ -274,7 +274,9 @@ def picture_contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
     ink, over = (light, threshold) if bright else (1.0 - light, 1.0 - threshold)
     if max(ink[0].max(), ink[-1].max(), ink[:, 0].max(), ink[:, -1].max()) > over:
         raise WrongInput(
-            "has a silhouette that reaches the edge of the picture; leave room around it", location=str(file)
+            "has a silhouette that reaches the edge of the picture; leave room around it, or give light: true if it is "
+            "light on dark",
+            location=str(file),
         )
     lines = contour_generator(z=ink).lines(over)
     closed = [np.asarray(line) for line in lines if line is not None and len(line) > 3 and np.all(line[0] == line[-1])]

@@ -159,6 +159,28 @@ def chain(curves: Sequence[RationalSpline], axis_mm: Point, key: str) -> ClosedC
     return drawn(parts, key)
 
 
+def goes_round(points_mm: Array, axis_mm: Point) -> bool:
+    """Whether a closed row of points (shape (n, 2)) goes round the axis."""
+    away = np.concatenate([points_mm, points_mm[:1]]) - np.array(axis_mm)
+    angles = np.unwrap(np.arctan2(away[:, 1], away[:, 0]))
+    return round(float(angles[-1] - angles[0]) / tau) != 0
+
+
+def middle_mm(points_mm: Array) -> Point | None:
+    """The middle of a closed row of points (shape (n, 2)), in whole hundredths, if they go round it."""
+    x, y = ((points_mm.min(axis=0) + points_mm.max(axis=0)) / 2.0).round(2).tolist()
+    return (x, y) if goes_round(points_mm, (x, y)) else None
+
+
+def require_round(points_mm: Array, axis_mm: Point, key: str) -> None:
+    """Raise NoSuchMechanism, with a place that is right, where a closed row of points does not go round the axis."""
+    if goes_round(points_mm, axis_mm):
+        return
+    middle, (x, y) = middle_mm(points_mm), axis_mm
+    right = f"axis_x_mm: {middle[0]:g}, axis_y_mm: {middle[1]:g} is its middle" if middle else "move the axis"
+    raise NoSuchMechanism(f"the curve does not go round its axis, which is at ({x:g}, {y:g}) mm; {right}", key=key)
+
+
 def polar_points(points_mm: Array, tolerance_mm: float, key: str) -> tuple[Array, Array]:
     """Polar angle in rad and radius in mm of points (shape (n, 2)) around the axis, in either sense.
 
@@ -172,8 +194,8 @@ def polar_points(points_mm: Array, tolerance_mm: float, key: str) -> tuple[Array
     steps = np.diff(np.unwrap(np.arctan2(points_mm[:, 1], points_mm[:, 0])))
     turns = round(float(steps.sum()) / tau)
     if turns not in (1, -1):
-        said = f"go round the axis {abs(turns)} times" if turns else "do not go round the axis"
-        raise NoSuchMechanism(f"the points {said}; once is right: move the axis, or put them in order", key=key)
+        said = f"the points go round the axis {abs(turns)} times; once is right: move the axis, or put them in order"
+        raise NoSuchMechanism(said, key=key)
     along = np.concatenate([[0.0], turns * np.cumsum(steps)])
     back_mm = radius * (np.maximum.accumulate(along) - along)
     if np.max(back_mm) > tolerance_mm:
@@ -218,8 +240,9 @@ def smoothed_points(
     def missed(spline: BSpline) -> Array:
         return np.abs(spline(folded, extrapolate="periodic") - radius_mm)
 
-    def within(tolerance_mm: float) -> tuple[BSpline, bool]:
-        """The spline within a tolerance, or the smoothest one from which points only scatter, and whether they do."""
+    def within(tolerance_mm: float) -> tuple[BSpline, Array, bool]:
+        """The spline within a tolerance, or the smoothest one from which points only scatter, how far it misses them,
+        and whether they scatter."""
         # Of many places, the means of a few neighbours show the curve; all places are judged.
         for few in (_means(*closed, each, period), closed) if each > 1 else (closed,):
             sum_ = len(few[0]) * tolerance_mm**2
@@ -231,21 +254,25 @@ def smoothed_points(
                 spline = BSpline(*knots_and_more)
                 if fault > 0 or (few is not closed and len(spline.t) > len(few[0]) // 2):
                     break
-                if halving >= 0 and np.max(missed(spline)) <= tolerance_mm:
-                    return spline, False
-                # At a corner a few points miss the curve by more than the others.
                 noise = shows_scatter and _are_noise(spline(few[0]) - few[1])
-                if noise and np.median(missed(spline)) > COMMON * tolerance_mm:
-                    return spline, True
-        return make_interp_spline(*closed, k=DEGREE, bc_type="periodic"), False
+                if halving < 0 and not noise:
+                    continue
+                misses = missed(spline)
+                if halving >= 0 and np.max(misses) <= tolerance_mm:
+                    return spline, misses, False
+                # At a corner a few points miss the curve by more than the others.
+                if noise and np.median(misses) > COMMON * tolerance_mm:
+                    return spline, misses, True
+        through = make_interp_spline(*closed, k=DEGREE, bc_type="periodic")
+        return through, missed(through), False
 
-    spline, scattered = within(tolerance_mm)
-    worst = int(np.argmax(missed(spline)))
-    missed_mm = float(missed(spline)[worst])
+    spline, misses, scattered = within(tolerance_mm)
+    worst = int(np.argmax(misses))
+    missed_mm = float(misses[worst])
     at = f"the point at {in_words(float(angle_rad[worst]))}, {radius_mm[worst]:.6g} mm"
     if scattered:
         kept_mm = float(shown_above(missed_mm, 3))
-        while within(kept_mm)[1]:
+        while within(kept_mm)[2]:
             kept_mm = float(shown_above(WIDER * kept_mm, 3))
         raise NoSuchMechanism(
             f"the points scatter about {'a smooth curve' if repeats == 1 else f'{repeats} equal lobes'}, {at}, by "
