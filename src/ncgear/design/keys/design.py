@@ -236,16 +236,25 @@ class Design(Model, Shown):
                 f"{self.gears.lobes.driven} given, but a law of the slider's motion drives one crank; 1 is right",
             )
 
-    def _bearings_bear_no_thrust(self) -> Faults:
+    def _bearings_bear_the_thrust(self) -> Faults:
         if not (self.drivetrain and self.gears and self.gears.helix and self.gears.helix.kind == "helical"):
             return
         for name in ("driving_shaft", "driven_shaft"):
             shaft = getattr(self.drivetrain, name)
-            if shaft is not None and shaft.bearing_a is not None:
+            bearing = None if shaft is None else getattr(shaft, f"bearing_{shaft.thrust_on}")
+            if bearing is None or bearing.contact_angle_deg is not None:
+                continue
+            where = f"drivetrain.{name}.bearing_{shaft.thrust_on}"
+            if bearing.kind == "roller":
                 yield fault(
-                    f"drivetrain.{name}.bearing_a",
-                    "given, but helical teeth press along their shafts, which is not followed; herringbone or straight "
-                    "ones, or leave the bearings out",
+                    f"{where}.contact_angle_deg",
+                    "missing; helical teeth press along their shafts, and cylindrical rollers bear no thrust; give the "
+                    "angle of others, or a ball bearing, or thrust_on the other bearing, or take herringbone teeth",
+                )
+            elif bearing.static_rating_n is None:
+                yield fault(
+                    f"{where}.static_rating_n",
+                    "missing; what a ball bearing does under the thrust of helical teeth depends on it",
                 )
 
     def _bearings_stand_beside_their_gears(self) -> Faults:
