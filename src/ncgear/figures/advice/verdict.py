@@ -250,7 +250,9 @@ CONDITIONS: dict[Kind, Condition] = {
     Kind.SHORTENED: Condition("tips", "tips have their height", _gears, _of_teeth(Kind.SHORTENED), TEETH),
     Kind.CONCAVE: Condition("hob", "no pitch curve is concave", _gears, law_advice.concave),
     Kind.RING: Condition("ring", "no gear is internal", _ring, law_advice.ring),
-    Kind.THRUST: Condition("thrust", "bearings are given for the thrust, if there is any", _helical, _of_teeth(Kind.THRUST)),
+    Kind.THRUST: Condition(
+        "thrust", "bearings are given for the thrust, if there is any", _helical, _of_teeth(Kind.THRUST)
+    ),
     Kind.IDLE_FLANKS: Condition(
         "idle flanks",
         "idle flanks hold as pushing ones do",
