@@ -140,7 +140,7 @@ def test_bearings_of_helical_teeth_are_in_balance_in_space(torque_n_mm: float) -
     """Six equations for each shaft: cross products of forces at the pitch point, the crank and two bearings."""
     force, slope = of_helical(torque_n_mm)
     crank_n, idle, at_mm, crank_at_mm = np.array([900.0 - 4000.0j]), np.zeros(1), (-90.0, 140.0), 260.0
-    shafts = ShaftLoads.pair(HELICAL, force, slope, (idle, idle), crank_n, (idle, idle))
+    shafts = ShaftLoads.pair(HELICAL, force, (idle, Jet(np.stack([idle, slope]))), crank_n, (idle, idle))
     towards = np.array([cos(radians(150.0)), sin(radians(150.0)), 0.0])
     across = np.array([force.force.x.value[0], force.force.y.value[0], 0.0])
     whole = across + np.array([0.0, 0.0, force.thrust_n.value[0]])

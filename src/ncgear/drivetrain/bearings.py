@@ -121,15 +121,9 @@ F_0 = 12.3
 safe side."""
 
 ANGULAR_BALLS = np.array(
-    [
-        [20.0, 25.0, 30.0, 35.0, 40.0, 45.0],
-        [1.09, 0.92, 0.78, 0.66, 0.55, 0.47],
-        [0.7, 0.67, 0.63, 0.6, 0.57, 0.54],
-        [1.63, 1.41, 1.24, 1.07, 0.93, 0.81],
-        [0.84, 0.76, 0.66, 0.58, 0.52, 0.44],
-    ]
+    [[20.0, 30.0, 40.0], [1.09, 0.78, 0.55], [0.7, 0.63, 0.57], [1.63, 1.24, 0.93], [0.84, 0.66, 0.52]]
 )
-"""Contact angle in degrees of two rows of balls, and Y_1, X_2, Y_2 and Y_0."""
+"""Contact angle in degrees of two rows of balls, and Y_1, X_2, Y_2 and Y_0: the least factors count beyond 40 deg."""
 
 
 def combined_n(bearing: Bearing, across_n: Array, along_n: Array) -> tuple[Array, Array]:

@@ -20,6 +20,7 @@ from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import stretches
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.chebyshev import fitted
+from ncgear.numerics.jet import Jet
 from ncgear.numerics.plane import Vector
 from ncgear.numerics.quadrature import gauss_points
 from ncgear.numerics.zeros import all_zeros
@@ -59,21 +60,21 @@ class ShaftLoads:
         cls,
         place: MeshPlace,
         mesh: MeshForce,
-        slope: Array,
-        turned_rad: tuple[Array, Array],
+        angles_rad: tuple[Array, Jet],
         crank_n: ComplexArray,
         torques_n_mm: tuple[Array, Array],
         rubbing: Array | float = 0.0,
     ) -> tuple[ShaftLoads, ShaftLoads]:
         """The driving and the driven shaft under the mesh force on the driven gear and the force of the crank.
 
-        ``slope`` is dphi2/dphi1.  The driving gear bears the mesh force with the share ``rubbing`` of it beyond.
+        ``angles_rad`` are phi1, and phi2 with its slope.  The driving gear bears ``rubbing`` of the mesh force beyond.
         """
-        force, thrust, couples = complex_of(mesh.force), mesh.thrust_n.value, place.couples_mm(slope)
-        more, idle = 1.0 + rubbing, np.zeros_like(force)
+        (driving, driven), force, thrust, more = angles_rad, complex_of(mesh.force), mesh.thrust_n.value, 1.0 + rubbing
+        tilting, tilted = (one * thrust for one in place.couples_mm(driven.derivative(1)))
+        turned, idle = -place.mesh.sense * driving, np.zeros_like(force)
         return (
-            cls(turned_rad[0], -force * more, idle, torques_n_mm[0], -thrust * more, couples[0] * thrust * more),
-            cls(turned_rad[1], force, crank_n, torques_n_mm[1], thrust, couples[1] * thrust),
+            cls(turned, -force * more, idle, torques_n_mm[0], -thrust * more, tilting * more),
+            cls(-driven.value, force, crank_n, torques_n_mm[1], thrust, tilted),
         )
 
 
@@ -115,8 +116,7 @@ def loads_at(
     driving, driven = ShaftLoads.pair(
         rigid.place,
         mesh,
-        angle.derivative(1),
-        (-rigid.place.mesh.sense * phi1_rad, -angle.value),
+        (phi1_rad, angle),
         # All forces on the crank's shaft are in balance with the forces of its bearings
         -complex_of(loads.crank_bearing) - complex_of(mesh.force),
         (with_tooth_friction(torque, mesh_share), loads.driven_torque.value),

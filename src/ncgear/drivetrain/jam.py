@@ -73,8 +73,7 @@ class Jam:
         driving, driven = ShaftLoads.pair(
             place,
             self._mesh(phi1_rad),
-            angle.derivative(1),
-            (-place.mesh.sense * phi1_rad, -angle.value),
+            (phi1_rad, angle),
             -complex_of(held.crank_axis) * output,
             (np.full(phi1_rad.shape, self.driving_n_mm), self._driven_n_mm(phi1_rad)),
         )

@@ -22,13 +22,10 @@ def worn_figures(drive: Drive, found: Sequence[Worn]) -> dict[str, Any]:
         if one.rating is None:
             section["ended"] = one.why
         else:
-            section |= {
-                f"free_way_{place.ending}": place.factor * one.free,
-                **knock_figures(one.rating.loading.knocks),
-                "peak_tooth_force_n": one.rating.strength.peak_pair_n,
-            }
-            least = least_safeties(one.rating.strength)
-            section |= {f"{damage.value}_safety_min": known(safety) for damage, safety in least.items()}
+            free, strength = {f"free_way_{place.ending}": place.factor * one.free}, one.rating.strength
+            least = {f"{damage.value}_safety_min": known(most) for damage, most in least_safeties(strength).items()}
+            section |= free | knock_figures(one.rating.loading.knocks)
+            section |= {"peak_tooth_force_n": strength.peak_pair_n, **least}
         told[f"after_{one.hours:.0f}_h"] = section
     return {"worn": told}
 
@@ -52,11 +49,10 @@ def worn_rows(drive: Drive, found: Sequence[Worn]) -> list[tuple[str, str]]:
 def worn_fault(found: Sequence[Worn]) -> list[str]:
     """When worn gears are under a wanted safety first, and which one; empty where they never are."""
     for one in found:
-        weak = [] if one.rating is None else [weak for weak in one.rating.weakest if not weak.holds]
         if one.rating is None:
             return [f"worn away after {hours_words(one.hours)}: {one.why}"]
-        if weak:
-            least = min(weak, key=lambda weak: weak.share)
+        least = min(one.rating.weakest, key=lambda weak: weak.share)
+        if not least.holds:
             safety = f"safety {to_digits(least.safety, 3)}, {least.wanted:g} wanted"
             return [f"worn for {hours_words(one.hours)}, {least.gear.value} gear, {least.damage.words}: {safety}"]
     return []

@@ -153,7 +153,7 @@ def face_loading_of(drive: Geared) -> FaceLoading:
     # The arm of the force is about the radius of the roots.
     arms = asked.arms_mm(phi1, np.ones(phi1.size)).min(axis=0)
     first, second = (one.youngs_modulus_mpa for one in drive.materials)
-    loads = ShaftLoads.pair(asked.place, mesh, asked.slope(phi1), none, crank, none)
+    loads = ShaftLoads.pair(asked.place, mesh, (phi1, asked.pair.transmission.driven_angle(phi1, 1)), crank, none)
     shafts = driving.shaft((arms[0], first), loads[0]), driven.shaft((arms[1], second), loads[1])
     askew, running = _askew_mm(design, drive.running), drive.running
     worn = sum(running_in(one, running, askew) for one in choices_of(gears)) / 2.0

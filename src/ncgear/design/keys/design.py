@@ -244,18 +244,15 @@ class Design(Model, Shown):
             bearing = None if shaft is None else getattr(shaft, f"bearing_{shaft.thrust_on}")
             if bearing is None or bearing.contact_angle_deg is not None:
                 continue
-            where = f"drivetrain.{name}.bearing_{shaft.thrust_on}"
+            key, why = "static_rating_n", "what a ball bearing does under the thrust of helical teeth depends on it"
             if bearing.kind == "roller":
-                yield fault(
-                    f"{where}.contact_angle_deg",
-                    "missing; helical teeth press along their shafts, and cylindrical rollers bear no thrust; give the "
-                    "angle of others, or a ball bearing, or thrust_on the other bearing, or take herringbone teeth",
+                key, why = (
+                    "contact_angle_deg",
+                    "cylindrical rollers bear no thrust of helical teeth; others have an angle",
                 )
-            elif bearing.static_rating_n is None:
-                yield fault(
-                    f"{where}.static_rating_n",
-                    "missing; what a ball bearing does under the thrust of helical teeth depends on it",
-                )
+            elif bearing.static_rating_n is not None:
+                continue
+            yield fault(f"drivetrain.{name}.bearing_{shaft.thrust_on}.{key}", f"missing; {why}")
 
     def _bearings_stand_beside_their_gears(self) -> Faults:
         if self.drivetrain is None or self.gears is None:
