@@ -22,7 +22,8 @@ def worn_figures(drive: Drive, found: Sequence[Worn]) -> dict[str, Any]:
         if one.rating is None:
             section["ended"] = one.why
         else:
-            free, strength = {f"free_way_{place.ending}": place.factor * one.free}, one.rating.strength
+            free = {f"free_way_{place.ending}": place.factor * one.free} if one.free else {}
+            strength = one.rating.strength
             least = {f"{damage.value}_safety_min": known(most) for damage, most in least_safeties(strength).items()}
             section |= free | knock_figures(one.rating.loading.knocks)
             section |= {"peak_tooth_force_n": strength.peak_pair_n, **least}
@@ -39,7 +40,7 @@ def worn_rows(drive: Drive, found: Sequence[Worn]) -> list[tuple[str, str]]:
             words += f"no gears any more: {one.why}"
         else:
             free, knocks = to_digits(output.place.factor * one.free, 2), knock_words(one.rating.loading.knocks)
-            words += f"{output.name} free by {free} {output.place.text}; up to "
+            words += f"{output.name} free by {free} {output.place.text}; up to " if one.free else "up to "
             words += f"{figure('force_n', one.rating.strength.peak_pair_n)} on one pair of teeth, safety "
             words += least_words(one.rating.strength) + (f"; knocks {knocks}" if knocks else "")
         rows.append((f"after {hours_words(one.hours)}", words))

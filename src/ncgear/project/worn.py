@@ -14,6 +14,7 @@ import numpy as np
 
 from ncgear.errors import DesignError
 from ncgear.frozen import dataclass
+from ncgear.kinematics.motion import sample_angles
 from ncgear.project.alternatives import changed_drive
 from ncgear.project.drive import Drive
 from ncgear.project.strengthening import Rating, rating_of
@@ -28,7 +29,8 @@ SHARES = 0.25, 0.5, 1.0
 class Worn:
     """Gears after some hours: the deepest wear and the backlash along the normal in mm, and their rating.
 
-    ``free`` is the way that the play leaves the output where it moves fastest, in mm or, of a turning output, rad.
+    ``free`` is the way that the play leaves the output where it moves fastest, in mm or, of a turning output, rad; 0
+    where the gears turn nothing.
     The rating is None where no teeth are left that turn; ``why`` then says so.
     """
 
@@ -66,6 +68,7 @@ def worn_over_life(drive: Drive, rating: Rating) -> Iterator[Worn]:
 
 def _free(pair: Drive) -> float:
     """The way of the output for the play of the driven gear, where it moves most by the angle of that gear."""
-    motion = pair.motion
-    slope = pair.transmission.driven_angle(motion.phi1_rad, 1).derivative(1)
-    return pair.play.driven_rad * float(np.max(np.abs(motion.velocity / pair.machine.speed_rad_s / slope)))
+    own, angle = pair.pair, sample_angles(pair.pair.transmission)
+    turned = own.transmission.driven_angle(angle, 1).derivative(1) * own.speed(angle)
+    way = pair.machine.displacement(own.shaft_rad(angle), 1).derivative(1) / turned
+    return pair.play.driven_rad * float(np.abs(way).max())
