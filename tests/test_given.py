@@ -54,6 +54,8 @@ ROCKER: Data = {
 HELIX = {**PUMP["gears"], "helix": {"angle_deg": 15, "kind": "herringbone", "hand": "right"}}
 TWO_STAGES = {**PUMP["motion"], "second_stage": {"cosine": [-0.1]}}
 BEARINGS = {"bearing_a": {"at_mm": -20}, "bearing_b": {"at_mm": 25}}
+RATED = {"bearing_a": {"at_mm": -20}, "bearing_b": {"at_mm": 25, "static_rating_n": 2000}}
+HELICAL = {**PUMP["gears"], "helix": {**HELIX["helix"], "kind": "helical"}}
 MOTOR = {"rated_torque_n_m": 5, "rated_speed_rpm": 28, "overrunning_clutch": True}
 STEADY = {"static": 0.1, "dynamic": 0.1, "static_speed_mm_s": 2}
 
@@ -144,6 +146,11 @@ IDLE: dict[str, tuple[str, Data, Data]] = {
         "drivetrain.driving_shaft.diameter_mm is",
         {"drivetrain": {"driving_shaft": {**BEARINGS, "diameter_mm": 9}}},
         {"drivetrain": {"driving_shaft": {**BEARINGS, "diameter_mm": 9, "steel": "S355"}}},
+    ),
+    "thrust": (
+        "drivetrain.driven_shaft.thrust_on is",
+        {"drivetrain": {"driven_shaft": {**RATED, "thrust_on": "b"}}},
+        {"gears": HELICAL, "drivetrain": {"driven_shaft": {**RATED, "thrust_on": "b"}}},
     ),
     "crank": (
         "drivetrain.driven_shaft.crank_at_mm is",
