@@ -27,7 +27,7 @@ def worn_figures(drive: Drive, found: Sequence[Worn]) -> dict[str, Any]:
             least = {f"{damage.value}_safety_min": known(most) for damage, most in least_safeties(strength).items()}
             section |= free | knock_figures(one.rating.loading.knocks)
             section |= {"peak_tooth_force_n": strength.peak_pair_n, **least}
-        told[f"after_{one.hours:.0f}_h"] = section
+        told[f"after_{round(one.hours)}_h"] = section
     return {"worn": told}
 
 
