@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
-from math import acos, asin, cos, degrees, pi, radians, sin, sqrt
+from math import acos, asin, atan, cos, degrees, pi, radians, sin, sqrt, tan
 from types import SimpleNamespace
 from typing import Any
 
@@ -26,7 +26,9 @@ from ncgear.drivetrain.bearings import (
     bearing_forces,
     bearing_lives,
     bending_moment_n_mm,
+    combined_n,
     equivalent_load_n,
+    gear_sides_mm,
     life_h,
     most_bent,
     rating_for_n,
@@ -52,8 +54,10 @@ from ncgear.drivetrain.shafts import (
 )
 from ncgear.drivetrain.speed import LineDrive, disc, speed_course
 from ncgear.drivetrain.stall import stall_of
+from ncgear.dynamics.mesh_force import MeshForce, MeshPlace, mesh_force
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics.arrays import Array, ComplexArray
+from ncgear.numerics.jet import Jet
 from ncgear.numerics.quadrature import gauss_points
 from ncgear.pitch.pair import sized_pair
 from ncgear.pitch.shape import Gear, Mesh
@@ -98,7 +102,8 @@ def test_equivalent_loads_in_closed_form() -> None:
 
 def test_two_bearings_by_moments() -> None:
     """A gear between them, a crank beyond one, in two directions; forces and moments are in balance by hand."""
-    loads = ShaftLoads(np.zeros(1), np.array([1000.0 + 0j]), np.array([600.0j]), np.zeros(1))
+    idle = np.zeros(1)
+    loads = ShaftLoads(idle, np.array([1000.0 + 0j]), np.array([600.0j]), idle, idle, 0j * idle)
     bearings = Bearing(-100.0, "ball"), Bearing(300.0, "ball")
     on_first, on_second = (force[0] for force in bearing_forces(loads, bearings, 500.0))
     # Moments about the first: 1000 * 100 / 400, and 600 * 600 / 400
@@ -114,6 +119,92 @@ def test_two_bearings_by_moments() -> None:
     assert bending_moment_n_mm(loads, beside, 0.0, 0.0)[0] == 0.0
     bent = most_bent(loads, bearings, 500.0)
     assert (bent.moment_n_mm, bent.at_mm) == pytest.approx((600.0 * 200.0, 300.0), rel=1e-13)
+
+
+# Thrust of helical teeth
+
+
+HELICAL = MeshPlace(210.0, radians(20.0), Mesh.EXTERNAL, radians(150.0), thrust_share=-tan(radians(15.0)))
+"""A right-hand driving gear."""
+
+
+def of_helical(torque_n_mm: float, slope: float = 0.75, leaning: float = 0.4) -> tuple[MeshForce, Array]:
+    """The mesh force of HELICAL, and dphi2/dphi1, at a place where the pitch curves lean from their circles."""
+    force = mesh_force(HELICAL, Jet(np.array([[slope], [leaning]])), Jet(np.array([[torque_n_mm]])))
+    return force, np.array([slope])
+
+
+@pytest.mark.judges("drivetrain")
+@pytest.mark.parametrize("torque_n_mm", [8e5, -8e5])
+def test_bearings_of_helical_teeth_are_in_balance_in_space(torque_n_mm: float) -> None:
+    """Six equations for each shaft: cross products of forces at the pitch point, the crank and two bearings."""
+    force, slope = of_helical(torque_n_mm)
+    crank_n, idle, at_mm, crank_at_mm = np.array([900.0 - 4000.0j]), np.zeros(1), (-90.0, 140.0), 260.0
+    shafts = ShaftLoads.pair(HELICAL, force, (idle, Jet(np.stack([idle, slope]))), crank_n, (idle, idle))
+    towards = np.array([cos(radians(150.0)), sin(radians(150.0)), 0.0])
+    across = np.array([force.force.x.value[0], force.force.y.value[0], 0.0])
+    whole = across + np.array([0.0, 0.0, force.thrust_n.value[0]])
+    radius = 210.0 / (1.0 + slope[0])
+    # The driven gear turns clockwise under a torque over 0, about its own axis; only it has a crank.
+    assert np.cross(towards * radius, whole)[2] == pytest.approx(-torque_n_mm, rel=1e-12)
+    for shaft, point, pressing in zip(
+        shafts, (towards * (radius - 210.0), towards * radius), (-whole, whole), strict=True
+    ):
+        crank = np.array([shaft.crank_n[0].real, shaft.crank_n[0].imag, 0.0])
+        borne = bearing_forces(shaft, (Bearing(at_mm[0], "ball"), Bearing(at_mm[1], "ball")), crank_at_mm)
+        bearings = [-np.array([one[0].real, one[0].imag, 0.0]) for one in borne]
+        assert pressing + crank + sum(bearings) == pytest.approx([0.0, 0.0, pressing[2]], abs=1e-9)
+        moments = np.cross(point, pressing) + np.cross([0.0, 0.0, crank_at_mm], crank)
+        moments += sum(np.cross([0.0, 0.0, at], one) for at, one in zip(at_mm, bearings, strict=True))
+        assert moments[:2] == pytest.approx([0.0, 0.0], abs=1e-6)
+        assert shaft.thrust_n[0] == pressing[2]
+        # Beside the gear the shaft is bent by what stands beyond: here by its first bearing alone, or by all but that.
+        before, behind = (
+            bending_moment_n_mm(shaft, (Bearing(-90.0, "ball"), Bearing(140.0, "ball")), crank_at_mm, one)
+            for one in gear_sides_mm(shaft)
+        )
+        assert before == pytest.approx(-borne[0] * 90.0, rel=1e-9)
+        assert abs(behind - before)[0] == pytest.approx(np.hypot(*np.cross(point, pressing)[:2]), rel=1e-9)
+
+
+def test_thrust_does_no_work_along_the_helix_of_circular_gears() -> None:
+    """A left-hand driven gear that is screwed along its own helix keeps its flanks in place: F dz = T dz tan(b) / r."""
+    for torque_n_mm in (8e5, -8e5):
+        force, slope = of_helical(torque_n_mm, leaning=0.0)
+        way_mm = tan(radians(15.0)) / (HELICAL.center_distance_mm / (1.0 + slope[0]))
+        assert force.thrust_n.value[0] == pytest.approx(-torque_n_mm * way_mm, rel=1e-12)
+
+
+def along(bearing: Bearing, across_n: float, along_n: float) -> tuple[float, float]:
+    found = combined_n(replace(bearing, bears_thrust=True), np.array([across_n]), np.array([along_n]))
+    return float(found[0][0]), float(found[1][0])
+
+
+@pytest.mark.judges("drivetrain")
+def test_published_loads_of_bearings_with_thrust() -> None:
+    """Shigley, example 11-4: 6210, 500 lbf across, 400 lbf along, C_0 = 4450 lbf: 890.8 lbf by Y = 1.527."""
+    groove = Bearing(0.0, "ball", static_rating_n=4450.0)
+    assert along(groove, 500.0, 400.0)[0] == pytest.approx(890.8, rel=1e-3)
+    # Little thrust counts nothing, and a bearing that gives way along the shaft bears none.
+    assert along(groove, 500.0, 100.0) == (500.0, 500.0)
+    assert combined_n(groove, np.array([500.0]), np.array([400.0]))[0][0] == 500.0
+    assert along(groove, 500.0, 1000.0)[1] == pytest.approx(0.6 * 500.0 + 0.5 * 1000.0)
+    # SKF 22220 E: e = 0.24, Y_1 = 2.8, Y_2 = 4.2, Y_0 = 2.8, of two digits each; e is 1.5 tan of the angle.
+    roller = Bearing(0.0, "roller", contact_angle_deg=degrees(atan(0.24 / 1.5)))
+    assert along(roller, 1000.0, 200.0)[0] == pytest.approx(1000.0 + 2.8 * 200.0, rel=5e-3)
+    assert along(roller, 1000.0, 500.0)[0] == pytest.approx(670.0 + 4.2 * 500.0, rel=5e-3)
+    assert along(roller, 1000.0, 500.0)[1] == pytest.approx(1000.0 + 2.8 * 500.0, rel=2e-2)
+
+
+@pytest.mark.parametrize("kind", ["ball", "roller"])
+@pytest.mark.parametrize("angle_deg", [20.0, 27.0, 40.0])
+def test_loads_of_bearings_with_thrust_do_not_leap(kind: str, angle_deg: float) -> None:
+    """Both terms meet at the standard's limit e, 1.5 tan of the angle for two rows of rollers."""
+    limits = {20.0: 0.57, 27.0: 0.73, 40.0: 1.14}
+    limit = 1.5 * tan(radians(angle_deg)) if kind == "roller" else limits[angle_deg]
+    bearing = Bearing(0.0, kind, contact_angle_deg=angle_deg)
+    little, much = (along(bearing, 1000.0, limit * 1000.0 * share)[0] for share in (0.98, 1.02))
+    assert 0.0 < much / little - 1.0 < 0.04
 
 
 # Shafts and keys

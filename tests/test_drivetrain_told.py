@@ -58,6 +58,7 @@ def motor(**changes: Any) -> Any:
 
 def bearing(**changes: Any) -> Any:
     values = {"largest_n": Extremum(5000.0, 1.0), "equivalent_n": 3000.0, "speed_rad_s": SPEED, "life_h": 9000.0}
+    values |= {"thrust_n": Extremum(0.0, 0.0), "static_n": 5000.0}
     values |= {"needed_rating_n": 26000.0, "bearing": Made(dynamic_rating_n=28000.0), "static_safety": 2.0}
     return Made(**values | {"within_iso_281": True} | changes)
 
@@ -178,9 +179,7 @@ def test_parts_that_do_not_hold_are_told_with_values_that_do() -> None:
     assert "without play" in played
 
     weak.key.safety = 0.8
-    weak.jammed = Made(
-        largest_n=(Extremum(9e3, 0.0), Extremum(1e3, 0.0)), static_safety=(0.5, 3.0), yielding=1.2 / 8.0, most_n_mm=1.0
-    )
+    weak.jammed = Made(static_n=(9e3, 1e3), static_safety=(0.5, 3.0), yielding=1.2 / 8.0, most_n_mm=1.0)
     weak.jammed_key = weak.key
     jam, yields, sheared = told(_of_jam("driven", weak))
     assert "bearing a" in jam

@@ -50,8 +50,15 @@ RIGID = SteelShaft(1e5, 1e5, (Support(-100.0), Support(100.0)))
 WIDTH = 100.0
 
 
-def pressed(force_n: float, stiffness: float = 2e4, crank_n: float = 0.0, arm_mm: float = 1e6) -> FaceLoads:
-    return FaceLoads(np.array([force_n]), np.array([stiffness]), np.array([crank_n]), np.array([[arm_mm, arm_mm]]))
+def pressed(
+    force_n: float,
+    stiffness: float = 2e4,
+    crank_n: float = 0.0,
+    arm_mm: float = 1e6,
+    couples_mm: tuple[float, float] = (0.0, 0.0),
+) -> FaceLoads:
+    each = np.array([force_n]), np.array([stiffness]), np.array([crank_n])
+    return FaceLoads(*each, np.array([[arm_mm, arm_mm]]), np.array([couples_mm]))
 
 
 def factor(model: FaceModel, loads: FaceLoads) -> float:
@@ -173,6 +180,8 @@ def by_elements(model: FaceModel, loads: FaceLoads, count: int = 80) -> float:
             right = stiffness * held.T @ gap[bears]
             right[-1] += force
             right[sizes[0] + crank_row] += float(loads.crank_n[0])
+            tilts = across / float(across @ across) * force * loads.couples_mm[0][:, None]
+            right[:-1] += np.concatenate([one.T @ tilt for one, tilt in zip(teeth, tilts, strict=True)])
             ways = np.linalg.solve(system, right)
             load = stiffness * (closing @ ways - gap)
             if np.array_equal(load > 0.0, bears):
@@ -190,16 +199,18 @@ SUPPORTS = (Support(-110.0, 1.5e5), Support(110.0, 1.5e5)), (Support(-120.0, 7e5
 
 @at_once("bodies", [1.0, 100.0])
 @at_once(
-    ("force_n", "crank_n", "askew_mm", "lead"),
+    ("force_n", "crank_n", "askew_mm", "lead", "couples_mm"),
     [
-        (20_000.0, 30_000.0, 0.0, LeadForm()),
-        (20_000.0, -30_000.0, 0.02, LeadForm()),
-        (3000.0, 9000.0, 0.02, LeadForm()),
-        (20_000.0, 30_000.0, 0.01, LeadForm(0.01, 0.01, 20.0)),
+        (20_000.0, 30_000.0, 0.0, LeadForm(), (0.0, 0.0)),
+        (20_000.0, -30_000.0, 0.02, LeadForm(), (0.0, 0.0)),
+        (3000.0, 9000.0, 0.02, LeadForm(), (0.0, 0.0)),
+        (20_000.0, 30_000.0, 0.01, LeadForm(0.01, 0.01, 20.0), (0.0, 0.0)),
+        (20_000.0, 0.0, 0.0, LeadForm(), (60.0, 0.0)),
+        (20_000.0, 10_000.0, 0.01, LeadForm(), (40.0, -80.0)),
     ],
 )
 def test_shafts_on_bearings_against_finite_elements(
-    force_n: float, crank_n: float, askew_mm: float, lead: LeadForm, bodies: float
+    force_n: float, crank_n: float, askew_mm: float, lead: LeadForm, couples_mm: tuple[float, float], bodies: float
 ) -> None:
     """Within 1 %: both have other places along the width and another way to what presses."""
     shafts = [
@@ -208,7 +219,7 @@ def test_shafts_on_bearings_against_finite_elements(
     ]
     model = FaceModel((shafts[0], shafts[1]), 160.0, WIDTH, askew_mm, lead)
     # Bodies that hardly twist, which the elements do not know, by arms that are long.
-    loads = pressed(force_n, crank_n=crank_n)
+    loads = pressed(force_n, crank_n=crank_n, couples_mm=couples_mm)
     found, expected = factor(model, loads), by_elements(model, loads)
     assert expected > 1.05
     assert found == pytest.approx(expected, rel=0.01 if bodies == 1.0 else 0.003)
@@ -280,7 +291,8 @@ def test_the_best_crowning_against_a_scan() -> None:
     """Two positions whose loads lean to different ends; a scan in steps of 0.2 um, and none for perfect gears."""
     shafts = RIGID, SteelShaft(80.0, 300.0, SUPPORTS[1])
     model = FaceModel(shafts, 260.0, WIDTH, 0.015, LeadForm())
-    loads = FaceLoads(np.array([2e4, 1.5e4]), np.array([2e4, 1.4e4]), np.array([3e4, -1e4]), np.full((2, 2), 1e6))
+    each = np.array([2e4, 1.5e4]), np.array([2e4, 1.4e4]), np.array([3e4, -1e4])
+    loads = FaceLoads(*each, np.full((2, 2), 1e6), np.zeros((2, 2)))
     most = np.array([1.8e4, 1.5e4])
     found = best_crowning_mm(model, loads, most)
 

@@ -54,6 +54,8 @@ ROCKER: Data = {
 HELIX = {**PUMP["gears"], "helix": {"angle_deg": 15, "kind": "herringbone", "hand": "right"}}
 TWO_STAGES = {**PUMP["motion"], "second_stage": {"cosine": [-0.1]}}
 BEARINGS = {"bearing_a": {"at_mm": -20}, "bearing_b": {"at_mm": 25}}
+RATED = {"bearing_a": {"at_mm": -20}, "bearing_b": {"at_mm": 25, "static_rating_n": 2000}}
+HELICAL = {**PUMP["gears"], "helix": {**HELIX["helix"], "kind": "helical"}}
 MOTOR = {"rated_torque_n_m": 5, "rated_speed_rpm": 28, "overrunning_clutch": True}
 STEADY = {"static": 0.1, "dynamic": 0.1, "static_speed_mm_s": 2}
 
@@ -144,6 +146,11 @@ IDLE: dict[str, tuple[str, Data, Data]] = {
         "drivetrain.driving_shaft.diameter_mm is",
         {"drivetrain": {"driving_shaft": {**BEARINGS, "diameter_mm": 9}}},
         {"drivetrain": {"driving_shaft": {**BEARINGS, "diameter_mm": 9, "steel": "S355"}}},
+    ),
+    "thrust": (
+        "drivetrain.driven_shaft.thrust_on is",
+        {"drivetrain": {"driven_shaft": {**RATED, "thrust_on": "b"}}},
+        {"gears": HELICAL, "drivetrain": {"driven_shaft": {**RATED, "thrust_on": "b"}}},
     ),
     "crank": (
         "drivetrain.driven_shaft.crank_at_mm is",
@@ -238,12 +245,31 @@ def refused(changed: Data) -> str:
     return ""
 
 
-def test_bearings_of_helical_teeth_are_refused_as_the_file_is_read() -> None:
-    """Straight and herringbone ones bear no thrust."""
-    for kind, of_thrust in (("helical", True), ("herringbone", False)):
+@at_once(
+    ("bearing", "thrust_on", "missing"),
+    [
+        ({"kind": "roller"}, "a", "bearing_a.contact_angle_deg"),
+        ({"kind": "roller", "contact_angle_deg": 12}, "a", ""),
+        ({"kind": "ball"}, "a", "bearing_a.static_rating_n"),
+        ({"kind": "ball", "static_rating_n": 2e4}, "a", ""),
+        ({"kind": "ball", "contact_angle_deg": 30}, "a", ""),
+        ({"kind": "roller"}, "b", "bearing_b.static_rating_n"),
+    ],
+)
+def test_a_bearing_of_helical_teeth_bears_their_thrust(bearing: Data, thrust_on: str, missing: str) -> None:
+    """As the file is read; herringbone teeth have no thrust."""
+    shaft = {"bearing_a": {"at_mm": -30, **bearing}, "bearing_b": {"at_mm": 40}, "thrust_on": thrust_on}
+    for kind in ("helical", "herringbone"):
         gears = {**HELIX, "helix": {**HELIX["helix"], "kind": kind}}
-        said = refused({"gears": gears, "drivetrain": {"driven_shaft": BEARINGS}})
-        assert ("helical teeth press along their shafts" in said) == of_thrust
+        said = refused({"gears": gears, "drivetrain": {"driven_shaft": shaft}})
+        assert bool(said) == bool(missing and kind == "helical")
+        words = "cylindrical rollers bear no thrust of" if missing.endswith("deg") else "ball bearing"
+        assert not said or words in said
+
+
+def test_rows_of_balls_have_a_contact_angle_of_20_degrees_or_more() -> None:
+    shaft = {"bearing_a": {"at_mm": -30, "contact_angle_deg": 15}, "bearing_b": {"at_mm": 40}}
+    assert "20 deg or over" in refused({"drivetrain": {"driven_shaft": shaft}})
 
 
 @at_once(("at_mm", "within"), [(5.9, "gear,"), (10.0, "gear's hub"), (14.0, ""), (-6.0, ""), (-5.9, "gear,")])

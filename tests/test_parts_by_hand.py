@@ -29,7 +29,8 @@ Made: Any = SimpleNamespace
 
 def life(load: float, largest: float) -> BearingLife:
     bearing: Any = Made()
-    return BearingLife(bearing, Extremum(largest, 1.0), load, 6.0, 10.0 * load, 1e4 / load, 100.0 / largest, True)
+    most, thrust = Extremum(largest, 1.0), Extremum(0.0, 0.0)
+    return BearingLife(bearing, most, thrust, largest, load, 6.0, 10.0 * load, 1e4 / load, 100.0 / largest, True)
 
 
 @pytest.mark.judges("project")
@@ -56,7 +57,7 @@ def test_loads_of_parts_grow_as_these_become_weaker() -> None:
     }
     bare: Any = Made(bearings=None, shaft=None, key=None)
     assert drivetrain._sizes(bare) == {}
-    jammed: Any = Made(largest_n=(Extremum(5.0, 0.0), Extremum(6.0, 0.0)), yielding=2.0)
+    jammed: Any = Made(static_n=(5.0, 6.0), yielding=2.0)
     key: Any = Made(pressure_mpa=70.0)
     assert drivetrain._sizes_in_jam(jammed, key) == {
         "bearing_a_force": 5.0,

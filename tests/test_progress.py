@@ -11,6 +11,7 @@ import pytest
 from ncgear.cli import progress
 from ncgear.files.build import WRITTEN_STEPS, build, contacts_as_written, step_count
 from ncgear.project.opened import loads
+from ncgear.stopwatch import left_words
 
 GEARS = """
 name: small
@@ -71,6 +72,12 @@ def test_a_step_says_how_far_it_has_come(monkeypatch: pytest.MonkeyPatch) -> Non
         on_step.within("7 of at most 9 programmes")
         task = made[0].tasks[0]
         assert (task.description, task.completed, task.total) == ("limit, 7 of at most 9 programmes", 1, 2)
+
+
+def test_a_long_step_says_how_long_it_takes() -> None:
+    """At an even pace: 30 s for a hundredth are 50 min, of which 49.5 are left."""
+    assert left_words(30.0, 0.01) == ", about 50 min left"
+    assert [left_words(*one) for one in ((30.0, 0.5), (5.0, 0.0), (600.0, 1.0))] == ["", "", ""]
 
 
 def test_short_work_says_nothing_where_stderr_is_no_terminal(capsys: pytest.CaptureFixture[str]) -> None:

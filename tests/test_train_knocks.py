@@ -11,7 +11,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from ncgear.dynamics.flank_changes import BorneTorque, borne_torque
-from ncgear.dynamics.meshing import Impact, Meshing
+from ncgear.dynamics.meshing import Friction, Impact, Meshing
 from ncgear.dynamics.train_knocks import KnockingTrain, TrainPair
 from test_flank_changes import INERTIA, LEVER_MM, PLAY_RAD, SPEED, TURN, TURNING, load, saw, teeth
 
@@ -29,15 +29,31 @@ def slower(meshing: Meshing) -> Meshing:
     return replace(meshing, law=replace(law, coefficients=SLOPE * law.coefficients, rise=SLOPE * law.rise))
 
 
-def train(between: float, share: float = 0.1) -> KnockingTrain:
+def train(between: float, share: float = 0.1, rub: float = 0.0) -> KnockingTrain:
     """Two pairs alike; the shaft between asks for nothing, since both laws are even."""
-    first = TrainPair(teeth(damping=damping(share, between)), lambda phi1: SLOPE * saw(phi1))
-    second = TrainPair(slower(teeth(damping=damping(share, between))), saw)
+    one = rubbing(teeth(damping=damping(share, between)), rub)
+    first, second = TrainPair(one, lambda phi1: SLOPE * saw(phi1)), TrainPair(slower(one), saw)
     return KnockingTrain((first, second), between, load(), SPEED)
 
 
+ALONG_MM = 12.0, 14.0
+"""Speeds of driven and driving points along the tangent over those of their shafts: flanks slide in one sense."""
+
+
+def rubbing(meshing: Meshing, rub: float) -> Meshing:
+    """The same teeth with friction."""
+    driven, driving = ALONG_MM
+    values = meshing.gaps.table.coefficients.copy()
+    values[..., 2], values[..., 3] = driving, driven
+    gaps = replace(meshing.gaps, table=replace(meshing.gaps.table, coefficients=values))
+    return replace(meshing, gaps=gaps, friction=Friction(rub, rub, 1e-3, 2e-3))
+
+
 def solved(one: KnockingTrain, end: float) -> tuple[Array, Array, Array]:
-    """Radau follows the actual angles of both shafts, each pair as two springs with damping about a gap."""
+    """Radau follows the actual angles of both shafts, each pair as two springs with damping about a gap.
+
+    Friction presses on both gears of a pair, so that the shaft between also gives what the second pair's takes.
+    """
     between, c = one.between, [pair.meshing.impact for pair in one.pairs]
 
     def moment(impact: Impact, gap: float, rate: float) -> float:
@@ -57,9 +73,12 @@ def solved(one: KnockingTrain, end: float) -> tuple[Array, Array, Array]:
         )
 
     def slope(t: float, state: Array) -> Array:
-        m1, m2 = moments(t, state)
-        asked = float(saw(np.array([SPEED * t]))[0])
-        return np.array([state[2], state[3], (m1 - SLOPE * m2) / between, (m2 - asked) / INERTIA])
+        (m1, m2), asked = moments(t, state), float(saw(np.array([SPEED * t]))[0])
+        rubbed = [
+            pair.meshing.friction.dynamic * abs(m) / LEVER_MM for pair, m in zip(one.pairs, (m1, m2), strict=True)
+        ]
+        turned = m1 + rubbed[0] * ALONG_MM[0] - SLOPE * m2 - rubbed[1] * ALONG_MM[1]
+        return np.array([state[2], state[3], turned / between, (m2 + rubbed[1] * ALONG_MM[0] - asked) / INERTIA])
 
     begin = 0.5 * pi / SPEED
     x1 = -SLOPE * float(saw(np.array([0.5 * pi]))[0]) / TURNING
@@ -76,12 +95,12 @@ def highest(found: BorneTorque, low: float, high: float) -> float:
     return float((-found.at(np.linspace(low, high, 40001))).max())
 
 
-@pytest.mark.tiers(slow=["0.5"], rest="long")
+@pytest.mark.tiers(slow=["0.5*"], rest="long")
 @pytest.mark.judges("dynamics")
-@pytest.mark.parametrize("share", [0.5, 0.1])
-def test_knocks_of_both_pairs_are_those_of_another_solver(share: float) -> None:
+@pytest.mark.parametrize(("share", "rub"), [(0.5, 0.0), (0.5, 0.1), (0.1, 0.0)])
+def test_knocks_of_both_pairs_are_those_of_another_solver(share: float, rub: float) -> None:
     """Peaks within 7 %: here x is of the first order, and pairs are held for four steps."""
-    one = train(share * INERTIA)
+    one = train(share * INERTIA, rub=rub)
     found = one.borne(TURN)
     phi1, *moments = solved(one, pi + 0.1)
     window = (phi1 > pi - 0.05) & (phi1 < pi + 0.1)
@@ -101,6 +120,14 @@ def test_on_a_heavy_shaft_the_second_pair_knocks_as_a_single_one() -> None:
     peaks = [highest(one, pi, pi + 0.1) for one in (heavy, alone, light)]
     assert peaks[0] == pytest.approx(peaks[1], rel=0.02)
     assert abs(peaks[2] / peaks[1] - 1.0) > 0.05
+
+
+@pytest.mark.judges("dynamics")
+def test_friction_of_pairs_in_series() -> None:
+    """Wherever teeth push, the moment of their normal forces over the turning one is arm / (arm + mu v2)."""
+    for borne in train(INERTIA, share=0.3, rub=0.1).borne(TURN):
+        normal, turning = borne.torque_n_mm[:, ~np.isnan(borne.torque_n_mm[0])]
+        assert np.allclose(normal[1:][turning[1:] > 0.0], turning[1:][turning[1:] > 0.0] * 50.0 / 51.2, rtol=1e-9)
 
 
 def test_torques_that_neither_turn_nor_jump_are_borne_as_they_are() -> None:

@@ -22,7 +22,7 @@ from ncgear.figures.advice import strength_advice
 from ncgear.figures.advice.law_advice import _as_tight
 from ncgear.figures.answers.answer import difference
 from ncgear.figures.balance import shaking
-from ncgear.figures.strong import _knock_figures
+from ncgear.figures.strong import knock_figures
 from ncgear.figures.tables import Column, Table
 from ncgear.files.workshop.drawing import Polyline
 from ncgear.files.workshop.sheets.frame import first_angle
@@ -262,9 +262,9 @@ def test_the_gear_that_wears_most_is_told_with_its_tooth_and_what_helps_its_mate
 @pytest.mark.judges("figures")
 def test_knocks_are_counted_and_the_fastest_is_told() -> None:
     knocks: Any = [Made(speed_mm_s=speed, phi1_rad=phi) for speed, phi in ((3.0, 0.1), (9.0, 0.2), (5.0, 0.3))]
-    assert _knock_figures(knocks) == {"knocks": 3, "knock_max_mm_s": 9.0, "knock_max_at_rad": 0.2}
-    assert _knock_figures([]) == {"knocks": 0}
-    assert _knock_figures(None) == {"knocks": "not judged"}
+    assert knock_figures(knocks) == {"knocks": 3, "knock_max_mm_s": 9.0, "knock_max_at_rad": 0.2}
+    assert knock_figures([]) == {"knocks": 0}
+    assert knock_figures(None) == {"knocks": "not judged"}
 
 
 @pytest.mark.judges("figures")

@@ -30,3 +30,9 @@ class Stopwatch:
             self.seconds[step] = self.seconds.get(step, 0.0) + whole - self._inner.pop()
             if self._inner:
                 self._inner[-1] += whole
+
+
+def left_words(seconds: float, share: float) -> str:
+    """How long a step takes that has done a share of its work in so many seconds; empty for less than a minute."""
+    left_min = seconds * (1.0 / share - 1.0) / 60.0 if share > 0.0 else 0.0
+    return f", about {left_min:.0f} min left" if left_min >= 1.0 else ""

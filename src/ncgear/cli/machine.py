@@ -275,6 +275,9 @@ def strength(
             show_default="as the file says",
         ),
     ] = None,
+    worn: Annotated[
+        bool, typer.Option("--worn", help="Also rate the gears worn, after a quarter, half and all of the wanted life.")
+    ] = False,
     out: Annotated[Path | None, folder_option("-strength")] = None,
     as_json: AsJson = False,
     verbose: Verbose = False,
@@ -288,15 +291,17 @@ def strength(
         from ncgear.figures.advice.verdict import KnownParts, judged, together
         from ncgear.figures.answers.strong import strength_answer
         from ncgear.figures.strong import strength_figures
+        from ncgear.figures.worn import worn_figures
         from ncgear.files.build import naming_stage
         from ncgear.files.manifest import publish_run
         from ncgear.files.strength import strength_files
         from ncgear.project.drive import Drive
         from ncgear.project.strengthening import rating_of
+        from ncgear.project.worn import worn_over_life
 
         drive = Drive(loaded.design)
         told, figures, files, verdicts = [], [], {}, []
-        with naming_what_helps(loaded, drive, BUILD), steps_shown(3 * drive.design.stages) as on_step:
+        with naming_what_helps(loaded, drive, BUILD), steps_shown((3 + worn) * drive.design.stages) as on_step:
             for pair in drive.by_stage:
                 on_pair_step = naming_stage(pair, on_step)
                 on_pair_step("strength")
@@ -305,7 +310,12 @@ def strength(
                 verdicts.append(judged(pair, KnownParts.TEETH))
                 figures.append(strength_figures(pair, rating, verdicts[-1], beside))
                 on_pair_step("what would do")
-                told.append((pair, rating, remedies(pair, rating), beside))
+                cures, wears = remedies(pair, rating), []
+                if worn:
+                    on_pair_step("worn gears")
+                    wears = list(worn_over_life(pair, rating))
+                    figures[-1] |= worn_figures(pair, wears)
+                told.append((pair, rating, cures, beside, wears))
                 on_pair_step("pictures")
                 files.update(strength_files(pair, rating, figures[-1]))
         run = publish_run(folder, files, "strength")

@@ -12,13 +12,21 @@ life is multiplied by the factor a_1 of the three-parameter Weibull distribution
 
     a_1 = 0.95 (ln(100/S) / ln(100/90))^(1/1.5) + 0.05
 
-(ISO 281:2007, clauses 5 to 7, and ISO/TR 1281-2 for the distribution; ISO 76:2006 for the static safety C_0 / F_max;
-all from secondary sources).  Lubrication and dirt (the factor a_ISO) are not counted, nor are forces along the shaft.
+One bearing of a shaft bears the thrust of helical teeth, in both directions; the other gives way along the shaft.  Its
+forces F_r across and F_a along the shaft count together, for the life and against dents, as
+
+    F = max(F_r + Y_1 F_a, X_2 F_r + Y_2 F_a),   F_0 = max(F_r, X_0 F_r + Y_0 F_a)
+
+where the larger of both terms is the right one on either side of the standard's limit F_a / F_r = e.
+
+(ISO 281:2007, clauses 5 to 7 and table 3, and ISO/TR 1281-2 for the distribution; ISO 76:2006 for the static safety C_0
+/ F_0; all from secondary sources).  Lubrication and dirt (the factor a_ISO) are not counted.
 """
 
 from __future__ import annotations
 
-from math import inf, log, pi
+from collections.abc import Callable
+from math import inf, log, pi, radians, tan
 
 import numpy as np
 
@@ -42,13 +50,19 @@ SECONDS_PER_HOUR = 3600.0
 
 @dataclass(frozen=True)
 class Bearing:
-    """A bearing: place along the shaft from the gear's middle, kind, ratings in N, stiffness with its housing."""
+    """A bearing: place along the shaft from the gear's middle, kind, ratings in N, stiffness with its housing.
+
+    ``contact_angle_deg`` is that of two rows that bear thrust to both sides; without it balls run in deep grooves, and
+    rollers are cylinders.  ``bears_thrust`` is true of the bearing that bears the thrust of its shaft.
+    """
 
     at_mm: float
     kind: str
     dynamic_rating_n: float | None = None
     static_rating_n: float | None = None
     stiffness_n_mm: float | None = None
+    contact_angle_deg: float | None = None
+    bears_thrust: bool = False
 
 
 @dataclass(frozen=True)
@@ -69,14 +83,16 @@ class WantedLife:
 class BearingLife:
     """Loads and life of a bearing.
 
-    ``largest_n`` is its largest force with the driving angle, ``equivalent_n`` its equivalent load at ``speed_rad_s``,
-    its mean speed.  ``needed_rating_n`` is the dynamic rating for the wanted life.  ``life_h`` and ``static_safety``
-    need the ratings and a load; else they are None.  ``within_iso_281`` is false where the load is over half the
-    rating.
+    ``largest_n`` is its largest force across the shaft with the driving angle, ``thrust_n`` the same along the shaft,
+    ``static_n`` the largest of both together; ``equivalent_n`` is its equivalent load at ``speed_rad_s``, its mean
+    speed.  ``needed_rating_n`` is the dynamic rating for the wanted life.  ``life_h`` and ``static_safety`` need the
+    ratings and a load; else they are None.  ``within_iso_281`` is false where the load is over half the rating.
     """
 
     bearing: Bearing
     largest_n: Extremum
+    thrust_n: Extremum
+    static_n: float
     equivalent_n: float
     speed_rad_s: float
     needed_rating_n: float
@@ -89,17 +105,46 @@ def bearing_forces(
     loads: ShaftLoads, bearings: tuple[Bearing, Bearing], crank_at_mm: float
 ) -> tuple[ComplexArray, ComplexArray]:
     """The forces as x + i y in N that press on both bearings, shape (n,) each."""
-    return supporting_forces(loads.gear_n, loads.crank_n, bearings, crank_at_mm)
-
-
-def supporting_forces(
-    gear_n: ComplexArray, crank_n: ComplexArray, bearings: tuple[Bearing, Bearing], crank_at_mm: float
-) -> tuple[ComplexArray, ComplexArray]:
-    """The same by the forces of gear and crank; lengths count from the middle of the gear."""
     first, second = (bearing.at_mm for bearing in bearings)
-    moment = gear_n * (0.0 - first) + crank_n * (crank_at_mm - first)
+    moment = loads.gear_n * (0.0 - first) + loads.crank_n * (crank_at_mm - first) + loads.couple_n_mm
     on_second = moment / (second - first)
-    return gear_n + crank_n - on_second, on_second
+    return loads.gear_n + loads.crank_n - on_second, on_second
+
+
+DEEP_GROOVE = np.array(
+    [[0.172, 0.345, 0.689, 1.03, 1.38, 2.07, 3.45, 5.17, 6.89], [2.3, 1.99, 1.71, 1.55, 1.45, 1.31, 1.15, 1.04, 1.0]]
+)
+"""f_0 F_a / C_0 of deep groove ball bearings and their Y_2; X_2 is 0.56."""
+
+F_0 = 12.3
+"""f_0 of deep groove ball bearings, 12 to 16 in ISO 76: the value of tables that take F_a / C_0 alone, on the
+safe side."""
+
+ANGULAR_BALLS = np.array(
+    [[20.0, 30.0, 40.0], [1.09, 0.78, 0.55], [0.7, 0.63, 0.57], [1.63, 1.24, 0.93], [0.84, 0.66, 0.52]]
+)
+"""Contact angle in degrees of two rows of balls, and Y_1, X_2, Y_2 and Y_0: the least factors count beyond 40 deg."""
+
+
+def combined_n(bearing: Bearing, across_n: Array, along_n: Array) -> tuple[Array, Array]:
+    """F and F_0 in N of forces across the shaft and sizes of its thrust, shape (n,) each.
+
+    A bearing that bears thrust is a ball bearing or has a contact angle, and balls in deep grooves a static rating.
+    """
+    if not bearing.bears_thrust or not along_n.any():
+        return across_n, across_n
+    angle = bearing.contact_angle_deg
+    if angle is None:
+        assert bearing.static_rating_n is not None
+        y1, x2, x0, y0 = 0.0, 0.56, 0.6, 0.5
+        y2 = np.interp(F_0 * along_n / bearing.static_rating_n, *DEEP_GROOVE)
+    elif bearing.kind == "ball":
+        (y1, x2, y2, y0), x0 = (np.interp(angle, ANGULAR_BALLS[0], row) for row in ANGULAR_BALLS[1:]), 1.0
+    else:
+        steep = 1.0 / tan(radians(angle))
+        y1, x2, y2, x0, y0 = 0.45 * steep, 0.67, 0.67 * steep, 1.0, 0.44 * steep
+    lasting = np.maximum(across_n + y1 * along_n, x2 * across_n + y2 * along_n)
+    return lasting, np.maximum(across_n, x0 * across_n + y0 * along_n)
 
 
 BALLS = 9
@@ -142,14 +187,25 @@ def bending_moment_n_mm(
 ) -> ComplexArray:
     """The bending moment at a place along the shaft, (n,), as x + i y in the direction of the forces.
 
-    The side with fewer forces is taken: beyond the outermost place it gives zero, without rounding errors.
+    The side with fewer forces is taken: beyond the outermost place it gives zero, without rounding errors.  A couple
+    makes it leap at the middle of the gear; ``gear_sides`` are the places beside it.
     """
     on_first, on_second = bearing_forces(loads, bearings, crank_at_mm)
     places = 0.0, crank_at_mm, bearings[0].at_mm, bearings[1].at_mm
     forces = loads.gear_n, loads.crank_n, -on_first, -on_second
     way = -1.0 if sum(place > at_mm for place in places) >= len(places) / 2 else 1.0
     beyond = (force * max(way * (place - at_mm), 0.0) for place, force in zip(places, forces, strict=True))
-    return np.asarray(sum(beyond, np.zeros_like(loads.gear_n)))
+    couple = way * loads.couple_n_mm if way * at_mm < 0.0 else np.zeros_like(loads.gear_n)
+    return np.asarray(sum(beyond, couple))
+
+
+BESIDE_MM = 1e-9
+"""Way from the middle of a gear to the places beside it: less than rounding errors of moments."""
+
+
+def gear_sides_mm(loads: ShaftLoads) -> tuple[float, ...]:
+    """The places along a shaft at which its bending at the gear is looked at: two where thrust tilts the gear."""
+    return (-BESIDE_MM, BESIDE_MM) if loads.thrust_n.any() else (0.0,)
 
 
 @dataclass(frozen=True)
@@ -170,9 +226,8 @@ def peak_places_rad(cycle: Cycle, gear: Gear, bearings: tuple[Bearing, Bearing],
 
     def sizes(phi1: Array) -> Array:
         shaft = shaft_loads(cycle, gear, phi1)
-        bending = [
-            np.abs(bending_moment_n_mm(shaft, bearings, crank_at_mm, at)) for at in _places(bearings, crank_at_mm)
-        ]
+        places = _places(shaft, bearings, crank_at_mm)
+        bending = [np.abs(bending_moment_n_mm(shaft, bearings, crank_at_mm, at)) for at in places]
         return np.stack([*bending, shaft.torque_n_mm, -shaft.torque_n_mm])
 
     return np.union1d(cycle.places_rad, [peak.at for peak in largest_of_each(sizes, cycle.places_rad)])
@@ -182,17 +237,18 @@ def _of(loads: LoadsAt, gear: Gear) -> ShaftLoads:
     return loads.driving if gear is Gear.DRIVING else loads.driven
 
 
-def _places(bearings: tuple[Bearing, Bearing], crank_at_mm: float) -> set[float]:
-    return {0.0, crank_at_mm, *(bearing.at_mm for bearing in bearings)}
+def _places(loads: ShaftLoads, bearings: tuple[Bearing, Bearing], crank_at_mm: float) -> set[float]:
+    return {*gear_sides_mm(loads), crank_at_mm, *(bearing.at_mm for bearing in bearings)}
 
 
 def most_bent(loads: ShaftLoads, bearings: tuple[Bearing, Bearing], crank_at_mm: float) -> Bend:
     """The largest bending of a shaft at any of the n angles; it is at a place where a force presses on it."""
     bends = [
         Bend(float(np.abs(bending_moment_n_mm(loads, bearings, crank_at_mm, place)).max()), place)
-        for place in _places(bearings, crank_at_mm)
+        for place in _places(loads, bearings, crank_at_mm)
     ]
-    return max(bends, key=lambda bend: bend.moment_n_mm)
+    most = max(bends, key=lambda bend: bend.moment_n_mm)
+    return Bend(most.moment_n_mm, 0.0) if abs(most.at_mm) <= BESIDE_MM else most
 
 
 def equivalent_load_n(force_n: Array, weight: Array, exponent: float) -> float:
@@ -223,30 +279,55 @@ def bearing_lives(
 ) -> tuple[BearingLife, BearingLife]:
     """Both bearings of the driving or of the driven shaft."""
     driving = gear is Gear.DRIVING
-
-    def pressing(loads: ShaftLoads) -> Array:
-        return np.abs(np.stack(bearing_forces(loads, bearings, crank_at_mm)))
-
     weight = cycle.weight_rad if driving else cycle.weight_rad * cycle.loads.driven_slope
     speed = cycle.speed_rad_s * float(weight.sum()) / cycle.cycle_rad
-    peaks = largest_of_each(lambda phi1: pressing(shaft_loads(cycle, gear, phi1)), cycle.places_rad)
+    whole = _of(cycle.loads, gear)
+    peaks = largest_borne(lambda phi1: shaft_loads(cycle, gear, phi1), bearings, crank_at_mm, cycle.places_rad)
     first, second = (
-        _life(bearing, equivalent_load_n(force, weight, EXPONENTS[bearing.kind]), peak, speed, wanted)
-        for bearing, force, peak in zip(bearings, pressing(_of(cycle.loads, gear)), peaks, strict=True)
+        _life(bearing, equivalent_load_n(lasting, weight, EXPONENTS[bearing.kind]), peak, speed, wanted)
+        for bearing, (lasting, *_), peak in zip(bearings, _borne(whole, bearings, crank_at_mm), peaks, strict=True)
     )
     return first, second
 
 
-def _life(bearing: Bearing, load_n: float, peak: Extremum, speed: float, wanted: WantedLife) -> BearingLife:
+def _borne(
+    loads: ShaftLoads, bearings: tuple[Bearing, Bearing], crank_at_mm: float
+) -> list[tuple[Array, Array, Array, Array]]:
+    """F, the force across the shaft, F_0 and the thrust in N of both bearings, shape (n,) each."""
+    found = []
+    for bearing, force in zip(bearings, bearing_forces(loads, bearings, crank_at_mm), strict=True):
+        across, along = np.abs(force), np.abs(loads.thrust_n) * bearing.bears_thrust
+        lasting, denting = combined_n(bearing, across, along)
+        found.append((lasting, across, denting, along))
+    return found
+
+
+def largest_borne(
+    loads_at: Callable[[Array], ShaftLoads], bearings: tuple[Bearing, Bearing], crank_at_mm: float, places_rad: Array
+) -> list[tuple[Extremum, Extremum, Extremum]]:
+    """The largest force across the shaft, F_0 and thrust of both bearings, searched between driving angles (n,)."""
+
+    def sizes(phi1: Array) -> Array:
+        return np.concatenate([np.stack(rest) for _, *rest in _borne(loads_at(phi1), bearings, crank_at_mm)])
+
+    found = largest_of_each(sizes, places_rad)
+    return [(found[row], found[row + 1], found[row + 2]) for row in (0, 3)]
+
+
+def _life(
+    bearing: Bearing, load_n: float, peaks: tuple[Extremum, Extremum, Extremum], speed: float, wanted: WantedLife
+) -> BearingLife:
     rating, static = bearing.dynamic_rating_n, bearing.static_rating_n
-    loaded = load_n > 0.0
+    loaded, (across, denting, along) = load_n > 0.0, peaks
     return BearingLife(
         bearing,
-        peak,
+        across,
+        along,
+        denting.value,
         load_n,
         speed,
         rating_for_n(load_n, bearing.kind, speed, wanted),
         life_h(rating, load_n, bearing.kind, speed, wanted.factor) if rating and loaded else None,
-        static / peak.value if static and loaded else None,
+        static / denting.value if static and loaded else None,
         load_n <= MOST_OF_RATING * rating if rating else None,
     )

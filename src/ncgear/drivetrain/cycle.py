@@ -14,11 +14,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ncgear.dynamics.loaded_machine import RigidMachine
+from ncgear.dynamics.mesh_force import MeshForce, MeshPlace
 from ncgear.dynamics.rigid import Rigid
 from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import stretches
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.chebyshev import fitted
+from ncgear.numerics.jet import Jet
 from ncgear.numerics.plane import Vector
 from ncgear.numerics.quadrature import gauss_points
 from ncgear.numerics.zeros import all_zeros
@@ -42,13 +44,38 @@ class ShaftLoads:
     and ``crank_n`` are the forces as x + i y in N that press on the shaft where the gear and the crank are; the driving
     shaft has no crank.  ``torque_n_mm`` is the torque that the shaft passes on at its gear.  Torque and force of the
     driving shaft's gear are larger by the share that friction between the teeth takes: the motor's torque goes through
-    that shaft, its key and its bearings.
+    that shaft, its key and its bearings.  ``thrust_n`` is the force along the shaft, positive towards the side of the
+    gear's hub, and ``couple_n_mm`` the couple by which it tilts the gear (``MeshPlace.couples_mm``).
     """
 
     turned_rad: Array
     gear_n: ComplexArray
     crank_n: ComplexArray
     torque_n_mm: Array
+    thrust_n: Array
+    couple_n_mm: ComplexArray
+
+    @classmethod
+    def pair(
+        cls,
+        place: MeshPlace,
+        mesh: MeshForce,
+        angles_rad: tuple[Array, Jet],
+        crank_n: ComplexArray,
+        torques_n_mm: tuple[Array, Array],
+        rubbing: Array | float = 0.0,
+    ) -> tuple[ShaftLoads, ShaftLoads]:
+        """The driving and the driven shaft under the mesh force on the driven gear and the force of the crank.
+
+        ``angles_rad`` are phi1, and phi2 with its slope.  The driving gear bears ``rubbing`` of the mesh force beyond.
+        """
+        (driving, driven), force, thrust, more = angles_rad, complex_of(mesh.force), mesh.thrust_n.value, 1.0 + rubbing
+        tilting, tilted = (one * thrust for one in place.couples_mm(driven.derivative(1)))
+        turned, idle = -place.mesh.sense * driving, np.zeros_like(force)
+        return (
+            cls(turned, -force * more, idle, torques_n_mm[0], -thrust * more, tilting * more),
+            cls(-driven.value, force, crank_n, torques_n_mm[1], thrust, tilted),
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,19 +111,24 @@ def loads_at(
     """
     loads = (knocking or rigid).at(phi1_rad)
     assert rigid.place is not None
-    mesh, bearing = _complex(loads.mesh_force.force), _complex(loads.crank_bearing)
+    mesh, torque = loads.mesh_force, loads.driving_torque.value
     angle = rigid.machine.transmission.driven_angle(phi1_rad, 1)
-    # All forces on the crank's shaft are in balance with the forces of its bearings
-    driven = ShaftLoads(-angle.value, mesh, -bearing - mesh, loads.driven_torque.value)
-    turned, torque = -rigid.place.mesh.sense * phi1_rad, loads.driving_torque.value
-    pressed = -mesh * (1.0 + mesh_share * np.sign(torque))
-    driving = ShaftLoads(turned, pressed, np.zeros_like(mesh), with_tooth_friction(torque, mesh_share))
+    driving, driven = ShaftLoads.pair(
+        rigid.place,
+        mesh,
+        (phi1_rad, angle),
+        # All forces on the crank's shaft are in balance with the forces of its bearings
+        -complex_of(loads.crank_bearing) - complex_of(mesh.force),
+        (with_tooth_friction(torque, mesh_share), loads.driven_torque.value),
+        mesh_share * np.sign(torque),
+    )
     way = rigid.machine.displacement(phi1_rad, 1).derivative(1)
     return LoadsAt(phi1_rad, angle.derivative(1), driving, driven, loads.guide.value, way)
 
 
-def _complex(force: Vector) -> ComplexArray:
-    return force.x.value + 1j * force.y.value
+def complex_of(force: Vector) -> ComplexArray:
+    """A force as x + i y."""
+    return np.asarray(force.x.value + 1j * force.y.value)
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,8 +18,6 @@ from __future__ import annotations
 
 from functools import cached_property
 
-import numpy as np
-
 from ncgear.drivetrain.cycle import Cycle, with_tooth_friction
 from ncgear.drivetrain.losses import Losses
 from ncgear.dynamics.crank_load import reduced_inertia
@@ -28,7 +26,7 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.chebyshev import fitted
 from ncgear.numerics.extrema import Extremum
-from ncgear.numerics.highest import largest_of_each
+from ncgear.numerics.highest import range_of
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.units import N_PER_KG_MM_S2
 
@@ -73,10 +71,4 @@ class Demand:
     @cached_property
     def torque_range_n_mm(self) -> tuple[Extremum, Extremum]:
         """Least and largest T with their driving angles."""
-
-        def both(phi1: Array) -> Array:
-            asked = self.torque_n_mm(phi1)
-            return np.stack([-asked, asked])
-
-        least, most = largest_of_each(both, self.cycle.places_rad)
-        return Extremum(-least.value, least.at), most
+        return range_of(self.torque_n_mm, self.cycle.places_rad)

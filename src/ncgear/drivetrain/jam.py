@@ -15,19 +15,18 @@ from typing import Literal
 
 import numpy as np
 
-from ncgear.drivetrain.bearings import Bearing, bearing_forces, bending_moment_n_mm
-from ncgear.drivetrain.cycle import ShaftLoads
+from ncgear.drivetrain.bearings import Bearing, bending_moment_n_mm, gear_sides_mm, largest_borne
+from ncgear.drivetrain.cycle import ShaftLoads, complex_of
 from ncgear.drivetrain.shafts import ShaftSection
 from ncgear.dynamics.loaded_machine import RigidMachine
 from ncgear.dynamics.mesh_force import MeshForce, mesh_force
 from ncgear.dynamics.rigid import LoadPeaks, MeshPeak
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.forces import EvenPace, JointForces
-from ncgear.numerics.arrays import Array, ComplexArray
+from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.highest import largest_of_each
 from ncgear.numerics.jet import Jet
-from ncgear.numerics.plane import Vector
 from ncgear.pitch.shape import Gear
 
 Load = Literal["law", "knocks", "jam"]
@@ -68,15 +67,17 @@ class Jam:
 
     def loads(self, gear: Gear, phi1_rad: Array) -> ShaftLoads:
         """The loads of the shaft of a gear at driving angles, shape (n,)."""
-        force, torque, place = self._mesh(phi1_rad), self._driven_n_mm(phi1_rad), self.rigid.place
+        place, angle = self.rigid.place, self.rigid.machine.transmission.driven_angle(phi1_rad, 1)
         assert place is not None
-        mesh = _complex(force.force)
-        if gear is Gear.DRIVING:
-            turned = -place.mesh.sense * phi1_rad
-            return ShaftLoads(turned, -mesh, np.zeros_like(mesh), np.full(phi1_rad.shape, self.driving_n_mm))
-        turned = -self.rigid.machine.transmission.driven_angle(phi1_rad, 0).value
         held, output = self._held(phi1_rad)
-        return ShaftLoads(turned, mesh, -_complex(held.crank_axis) * output, torque)
+        driving, driven = ShaftLoads.pair(
+            place,
+            self._mesh(phi1_rad),
+            (phi1_rad, angle),
+            -complex_of(held.crank_axis) * output,
+            (np.full(phi1_rad.shape, self.driving_n_mm), self._driven_n_mm(phi1_rad)),
+        )
+        return driving if gear is Gear.DRIVING else driven
 
     def peaks(self) -> LoadPeaks:
         """The largest forces of a cycle, in the form of a running machine."""
@@ -84,10 +85,10 @@ class Jam:
 
         def sizes(phi1: Array) -> Array:
             held, output = self._held(phi1)
-            bearing = -_complex(held.crank_axis) * output + _complex(self._mesh(phi1).force)
-            joints = (_complex(held.joints[name]) * output for name in linkage.JOINTS)
+            bearing = -complex_of(held.crank_axis) * output + complex_of(self._mesh(phi1).force)
+            joints = (complex_of(held.joints[name]) * output for name in linkage.JOINTS)
             guide = np.zeros(phi1.shape) + held.guide_n.value * output
-            return np.asarray(np.abs(np.stack([*joints, bearing, _complex(self._mesh(phi1).force), guide])))
+            return np.asarray(np.abs(np.stack([*joints, bearing, complex_of(self._mesh(phi1).force), guide])))
 
         *joints, bearing, mesh, guide = largest_of_each(sizes, self.places_rad)
         steep = self._mesh(np.array([mesh.at])).pressure_angle_rad.value
@@ -118,16 +119,13 @@ def _held(rigid: RigidMachine, phi1_rad: Array) -> JointForces:
     return linkage.joint_forces(angle, linkage.MASSES(), EvenPace(rigid.machine.speed_rad_s), one)
 
 
-def _complex(force: Vector) -> ComplexArray:
-    return np.asarray(force.x.value + 1j * force.y.value)
-
-
 @dataclass(frozen=True)
 class JammedShaft:
-    """A shaft in a jam: both bearings' largest force and static safety, if rated, the keyway's safety, if given,
-    torque."""
+    """A shaft in a jam: both bearings' largest force across the shaft, the same with thrust, and static safety, if
+    rated; the keyway's safety, if given; torque."""
 
     largest_n: tuple[Extremum, Extremum]
+    static_n: tuple[float, float]
     static_safety: tuple[float | None, float | None]
     yielding: float | None
     most_n_mm: float
@@ -140,18 +138,20 @@ def jammed_shaft(
 
     def sizes(phi1: Array) -> Array:
         loads = jam.loads(gear, phi1)
-        bent = bending_moment_n_mm(loads, bearings, crank_at_mm, 0.0)
+        bent = [np.abs(bending_moment_n_mm(loads, bearings, crank_at_mm, at)) for at in gear_sides_mm(loads)]
         # sigma^2 + 3 tau^2 of a full section, times its resistance.
-        strained = np.sqrt(np.abs(bent) ** 2 + 0.75 * loads.torque_n_mm**2)
-        return np.stack([*np.abs(np.stack(bearing_forces(loads, bearings, crank_at_mm))), strained, loads.torque_n_mm])
+        return np.stack([np.sqrt(np.max(bent, axis=0) ** 2 + 0.75 * loads.torque_n_mm**2), loads.torque_n_mm])
 
-    first, second, strained, torque = largest_of_each(sizes, jam.places_rad)
+    strained, torque = largest_of_each(sizes, jam.places_rad)
+    borne = largest_borne(lambda phi1: jam.loads(gear, phi1), bearings, crank_at_mm, jam.places_rad)
+    (first, _, _), (second, _, _) = borne
+    dents = borne[0][1].value, borne[1][1].value
     safety = None
     if section is not None:
         resistance_mm3 = pi * section.diameter_mm**3 / 32.0
         safety = section.yield_mpa * resistance_mm3 / strained.value if strained.value else inf
     static = [
-        None if one.static_rating_n is None else one.static_rating_n / most.value
-        for one, most in zip(bearings, (first, second), strict=True)
+        None if one.static_rating_n is None else one.static_rating_n / most
+        for one, most in zip(bearings, dents, strict=True)
     ]
-    return JammedShaft((first, second), (static[0], static[1]), safety, torque.value)
+    return JammedShaft((first, second), dents, (static[0], static[1]), safety, torque.value)

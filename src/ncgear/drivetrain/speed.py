@@ -30,7 +30,8 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.chebyshev import PiecewiseChebyshev
 from ncgear.numerics.extrema import Extremum
-from ncgear.numerics.highest import largest_of_each
+from ncgear.numerics.highest import range_of
+from ncgear.numerics.zeros import zeros_between
 
 NODES = 6
 """Collocation points of a panel; the energies at ends of panels are of order 11."""
@@ -124,14 +125,7 @@ class SpeedCourse:
     @cached_property
     def range_rad_s(self) -> tuple[Extremum, Extremum]:
         """Slowest and fastest speed with their driving angles."""
-        points = np.union1d(self._points[0], self.energy.breaks)
-
-        def both(phi1: Array) -> Array:
-            speed = self.speed_rad_s(phi1)
-            return np.stack([-speed, speed])
-
-        slow, fast = largest_of_each(both, points)
-        return Extremum(-slow.value, slow.at), fast
+        return range_of(self.speed_rad_s, np.union1d(self._points[0], self.energy.breaks))
 
     @property
     def period_s(self) -> float:
@@ -203,16 +197,13 @@ def speed_course(demand: Demand, drive: LineDrive) -> SpeedCourse:
 
 
 def _free_rad(course: SpeedCourse) -> Array:
-    """Driving angles at which the speed passes the speed without torque, shape (k,), by bisection between points."""
+    """Driving angles at which the speed passes the speed without torque, shape (k,), between points."""
     points, free = course.demand.cycle.loads.phi1_rad, course.drive.free_rad_s
     beyond = course.speed_rad_s(points) > free
     change = np.nonzero(beyond[:-1] != beyond[1:])[0]
-    low, high = points[change], points[change + 1]
-    for _ in range(50 if change.size else 0):
-        middle = (low + high) / 2.0
-        same = (course.speed_rad_s(middle) > free) == beyond[change]
-        low, high = np.where(same, middle, low), np.where(same, high, middle)
-    return np.asarray((low + high) / 2.0)
+    if not change.size:
+        return np.empty(0)
+    return zeros_between(lambda phi1: course.speed_rad_s(phi1) - free, points[change], points[change + 1])
 
 
 def _solved(demand: Demand, drive: LineDrive, ends: Array, known: SpeedCourse | None) -> SpeedCourse:

@@ -30,6 +30,7 @@ from ncgear.dynamics.meshing import Impact, Meshing, ramp
 from ncgear.dynamics.quasi_static import loaded_contact
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.pitch.shape import Gear
 
 SAMPLES = 4096
 """Places of a cycle at which the torque is tested for reversals and jumps."""
@@ -353,18 +354,20 @@ MANY = 16
 
 
 def near_pairs(
-    meshing: Meshing, phi1_rad: Array, speed_rad_s: Array | float, most_n_mm: float
+    meshing: Meshing, phi1_rad: Array, speed_rad_s: Array | float, most_n_mm: float, turned: Gear = Gear.DRIVEN
 ) -> tuple[Sequence[NearPairs], Array]:
     """The pairs at driving angles and speeds of the driving gear, shape (n,), and their largest lever.
 
-    Pairs count that a torque of HARDEST times the largest torque presses together.
+    Pairs count that a torque of HARDEST times the largest torque presses together.  Arms with friction are those of the
+    gear that is ``turned``; the driving gear is turned back.
     """
     near = meshing.gaps.at(phi1_rad)
     arm, ahead = near.urge * near.lever_mm, near.urge * near.error_rad
     reach_rad = HARDEST * most_n_mm / float(np.where(arm, near.stiffness * arm**2, np.inf).min())
     speed = np.reshape(speed_rad_s, (-1, 1))
-    sliding = (near.driving_mm - near.driven_mm * meshing.law.at(phi1_rad)[1][:, None]) * speed
-    rubbed = arm + meshing.friction.coefficient(sliding) * near.driven_mm
+    slope = meshing.law.at(phi1_rad)[1][:, None]
+    rub = meshing.friction.coefficient((near.driving_mm - near.driven_mm * slope) * speed)
+    rubbed = arm + rub * near.driven_mm if turned is Gear.DRIVEN else slope * arm + rub * near.driving_mm
     pairs = np.stack([arm, near.error_rad, near.stiffness, near.slopes[0] * speed, rubbed], axis=-1)
     levers: Array = near.lever_mm.max(axis=-1)
     sides = list[Array]()

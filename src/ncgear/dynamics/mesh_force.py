@@ -6,6 +6,9 @@ the rack's angle alpha of the touching side, the tangent from the normal to the 
 the pressure angle is alpha - mu where the driving gear pushes and alpha + mu where the driven gear runs ahead and the
 back flanks hold it (F. L. Litvin, A. Fuentes-Aznar, I. Gonzalez-Perez, K. Hayasaka, "Noncircular Gears", Cambridge
 2009, chapter 2).
+
+Helical teeth press along the axes as well: the flank of their rack is a plane, so that the thrust is tan(beta) times
+the force's part along the pitch line of the rack.  It acts at the pitch point, as books on machine parts take it.
 """
 
 from __future__ import annotations
@@ -16,6 +19,7 @@ import numpy as np
 
 from ncgear.frozen import dataclass
 from ncgear.numerics import jet
+from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.plane import Vector
 from ncgear.pitch import shape
@@ -29,7 +33,8 @@ class MeshPlace:
     ``driving_axis_rad`` is the direction from the crank's axis to the driving gear's, in the frame of the mechanism,
     counter-clockwise from the slider's line.  ``idle_angle_rad`` is the rack's angle of the flanks that hold the driven
     gear back, None where it equals that of the pushing flanks.  ``driven_sense`` is the sense in which the driven gear
-    turns; the crank turns clockwise, -1.
+    turns; the crank turns clockwise, -1.  ``thrust_share`` is the driven gear's thrust towards the side of its hub over
+    the force along the pitch line: 0 for teeth without thrust, below 0 where the driving gear is right-hand.
     """
 
     center_distance_mm: float
@@ -38,20 +43,33 @@ class MeshPlace:
     driving_axis_rad: float
     idle_angle_rad: float | None = None
     driven_sense: float = -1.0
+    thrust_share: float = 0.0
+
+    def couples_mm(self, slope: Array) -> tuple[ComplexArray, ComplexArray]:
+        """Couples of 1 N of thrust on the driven gear, which tilts the driving and the driven shaft, shape (n,) each.
+
+        They are x + i y in the mechanism's frame: the direction of two opposite forces across the shaft with the same
+        effect, of which the upper force, on the side of the hub, points there.
+        """
+        radius = shape.radius(Jet(slope[None]), Gear.DRIVEN, self.mesh).value * self.center_distance_mm
+        towards = np.exp(1j * self.driving_axis_rad)
+        return towards * (radius - self.center_distance_mm), -towards * radius
 
 
 @dataclass(frozen=True, eq=False)
 class MeshForce:
     """Force in N on the driven gear, its size, and its pressure angle in rad, as jets by the driving angle.
 
-    On helical teeth it is the component perpendicular to the axes.  The pressure angle is counted from the normal to
-    the line of centres, positive where the force drives the axes apart (on a ring: together).  From 90 degrees on no
-    force can hold the torque, and the size is negative.
+    On helical teeth it is the component perpendicular to the axes, and ``thrust_n`` is the component along them on the
+    driven gear, positive towards the side of its hub.  The pressure angle is counted from the normal to the line of
+    centres, positive where the force drives the axes apart (on a ring: together).  From 90 degrees on no force can hold
+    the torque, and the size is negative.
     """
 
     force: Vector
     size_n: Jet
     pressure_angle_rad: Jet
+    thrust_n: Jet
 
 
 def mesh_force(place: MeshPlace, slope: Jet, torque_n_mm: Jet, speed: Jet | float = 1.0) -> MeshForce:
@@ -69,7 +87,8 @@ def mesh_force(place: MeshPlace, slope: Jet, torque_n_mm: Jet, speed: Jet | floa
     sine, cosine = jet.sin_cos(angle)
     size = torque_n_mm * side / (radius * cosine)
     turning, apart = _directions(place)
-    return MeshForce(turning * (size * cosine * side) + apart * (size * sine), size, angle)
+    thrust = size * (place.thrust_share * side * np.cos(rack))
+    return MeshForce(turning * (size * cosine * side) + apart * (size * sine), size, angle, thrust)
 
 
 def _directions(place: MeshPlace) -> tuple[Vector, Vector]:

@@ -4,11 +4,12 @@ At constant driving speed there are two bodies: the shaft between the pairs, of 
 reduced to the crank's shaft.  With x1 and x2 their angles beyond the law's, M1 and M2 the moments of the pairs that
 touch on their driven gears, T1 and T2 the law's torques on these, and i2 the slope of the second pair's law,
 
-    J1 x1.. = M1(phi1, x1, x1.) - T1 - i2 (M2 - T2)
+    J1 x1.. = M1(phi1, x1, x1.) - T1 - (R2 - i2 T2)
     (J2 x2.). = M2(theta1, y, y.) - T2,   y = x2 - i2 x1
 
 The teeth of the second pair depend only on y, the angle of its driven gear beyond the one for its own driving gear.
-Friction between the teeth is left out.
+M1 and M2 count friction, and so does R2, the moment with which the second pair holds its driving gear: i2 M2 without
+friction.  The teeth bear their normal forces.
 All is to the first order of x, by the method of ``ncgear.dynamics.flank_changes``: a single pair has infinite J1.
 """
 
@@ -25,12 +26,12 @@ from ncgear.dynamics.flank_changes import (
     HELD,
     IDLE,
     JUMP,
-    NORMAL,
     PER_SWING,
     SAMPLES,
     SETTLED,
     SWINGS,
     TOUCHING,
+    TURNING,
     BorneTorque,
     FollowedStretch,
     Knock,
@@ -44,6 +45,7 @@ from ncgear.dynamics.flank_changes import (
 from ncgear.dynamics.meshing import Meshing
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.pitch.shape import Gear
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,7 +144,8 @@ class KnockingTrain:
             for i, (one, top) in enumerate(zip(self.pairs, most, strict=True))
         ]
         state = (settled[0], settled[1] + float(here.slope[0]) * settled[0], 0.0, 0.0)
-        phi1, torque, knocks = [np.array([start_rad])], [here.asked], (list[Knock](), list[Knock]())
+        # Torques of the normal forces and with friction, of both pairs.
+        phi1, torque, knocks = [np.array([start_rad])], [np.stack([here.asked] * 2)], (list[Knock](), list[Knock]())
         while phi1[-1][-1] < ends_rad[1]:
             step_s = self._step_s(float(phi1[-1][-1]))
             step_rad = self.speed_rad_s * step_s
@@ -151,14 +154,14 @@ class KnockingTrain:
             slope = self.pairs[0].meshing.law.at(middles)[1]
             speeds = self.speed_rad_s * np.stack([np.ones_like(slope), slope])
             pairs = [
-                near_pairs(one.meshing, angle, speed, top)
-                for one, angle, speed, top in zip(self.pairs, along.angle_rad, speeds, most, strict=True)
+                near_pairs(self.pairs[i].meshing, along.angle_rad[i], speeds[i], float(most[i]), turned)
+                for i, turned in ((0, Gear.DRIVEN), (1, Gear.DRIVEN), (1, Gear.DRIVING))
             ]
             done = False
             for first in range(0, middles.size, CHECKED * PER_SWING // HELD):
                 part = slice(first, first + CHECKED * PER_SWING // HELD)
                 borne, state, met = self._stepped(state, [one[0][part] for one in pairs], along, part, step_s)
-                phi1.append(phi1[-1][-1] + step_rad * np.arange(1.0, borne.shape[1] + 1.0))
+                phi1.append(phi1[-1][-1] + step_rad * np.arange(1.0, borne.shape[-1] + 1.0))
                 torque.append(borne)
                 swing, own = along.swings_rad_s[:, part], along.own[:, part]
                 for i in (0, 1):
@@ -168,7 +171,7 @@ class KnockingTrain:
                         if speed * float(own[i, row] * swing[i, row]) > SETTLED * most[i]
                     )
                 asked = along.asked[:, part]
-                missed = np.abs(borne - np.repeat(asked, HELD, axis=1)).max(axis=1)
+                missed = np.abs(borne[TURNING] - np.repeat(asked, HELD, axis=1)).max(axis=1)
                 swinging = np.maximum(missed, np.abs(self._momenta(state, along, part)) * swing.max(axis=1))
                 least, largest = np.abs(asked).min(axis=1), np.abs(asked).max(axis=1)
                 touching = (swinging <= TOUCHING * least) | (largest <= IDLE * most)
@@ -177,10 +180,10 @@ class KnockingTrain:
                     break
             if done:
                 break
-        angles, torques = np.concatenate(phi1), np.concatenate(torque, axis=1)
+        angles, torques = np.concatenate(phi1), np.concatenate(torque, axis=-1)
         between = self.pairs[0].meshing.law.at(angles)[0]
-        one, two = (np.tile(torque_n_mm, (2, 1)) for torque_n_mm in torques)
-        return FollowedStretch(angles, one, knocks[0]), FollowedStretch(between, two, knocks[1])
+        first, second = np.swapaxes(torques, 0, 1)
+        return FollowedStretch(angles, first, knocks[0]), FollowedStretch(between, second, knocks[1])
 
     def _momenta(self, state: tuple[float, float, float, float], along: _Places, part: slice) -> Array:
         """The momenta of both bodies swinging on the teeth of each pair, shape (2,)."""
@@ -207,13 +210,13 @@ class KnockingTrain:
         part: slice,
         step_s: float,
     ) -> tuple[Array, tuple[float, float, float, float], tuple[list[tuple[int, float]], list[tuple[int, float]]]]:
-        """The torques borne after each of the HELD steps of n rows, shape (2, n HELD), and the last state.
+        """The torques borne after each of the HELD steps of n rows, shape (2, 2, n HELD), and the last state.
 
         A state is x1, x2 and the momenta of both bodies.  Then the rows and speeds of flanks that meet, of each pair.
         """
         x1, x2, p1, p2 = state
         inertia, half, impacts = self.between, 0.5 * step_s, [one.meshing.impact for one in self.pairs]
-        met, every = (list[tuple[int, float]](), list[tuple[int, float]]()), list[tuple[float, float]]()
+        met, every = (list[tuple[int, float]](), list[tuple[int, float]]()), list[tuple[float, float, float, float]]()
         rows = zip(
             *pairs,
             along.slope[part].tolist(),
@@ -222,25 +225,29 @@ class KnockingTrain:
             strict=True,
         )
         later_s = [step_s * (step + 1 - HELD / 2) for step in range(HELD)]
-        m1 = m2 = None
-        for row, (near1, near2, slope, driven, asked1, asked2) in enumerate(rows):
+        n1 = n2 = m1 = m2 = r2 = None
+        for row, (near1, near2, held2, slope, driven, asked1, asked2) in enumerate(rows):
             v1, v2 = p1 / inertia, p2 / driven
-            if m1 is None or m2 is None:
-                m1 = moments_n_mm(impacts[0], near1, x1, v1, -step_s * HELD / 2)[NORMAL]
-                m2 = moments_n_mm(impacts[1], near2, x2 - slope * x1, v2 - slope * v1, -step_s * HELD / 2)[NORMAL]
+            if m1 is None or m2 is None or r2 is None:
+                n1, m1 = moments_n_mm(impacts[0], near1, x1, v1, -step_s * HELD / 2)
+                beyond = x2 - slope * x1, v2 - slope * v1, -step_s * HELD / 2
+                n2, m2 = moments_n_mm(impacts[1], near2, *beyond)
+                r2 = moments_n_mm(impacts[1], held2, *beyond)[TURNING]
             for later in later_s:
-                p1 += half * (m1 - asked1 - slope * (m2 - asked2))
+                p1 += half * (m1 - asked1 - r2 + slope * asked2)
                 p2 += half * (m2 - asked2)
                 v1, v2 = p1 / inertia, p2 / driven
                 x1, x2 = x1 + step_s * v1, x2 + step_s * v2
-                before = m1, m2
-                m1 = moments_n_mm(impacts[0], near1, x1, v1, later)[NORMAL]
-                m2 = moments_n_mm(impacts[1], near2, x2 - slope * x1, v2 - slope * v1, later)[NORMAL]
-                p1 += half * (m1 - asked1 - slope * (m2 - asked2))
+                before = n1, n2
+                n1, m1 = moments_n_mm(impacts[0], near1, x1, v1, later)
+                beyond = x2 - slope * x1, v2 - slope * v1, later
+                n2, m2 = moments_n_mm(impacts[1], near2, *beyond)
+                r2 = moments_n_mm(impacts[1], held2, *beyond)[TURNING] if n2 else 0.0
+                p1 += half * (m1 - asked1 - r2 + slope * asked2)
                 p2 += half * (m2 - asked2)
-                if m1 and not before[0]:
+                if n1 and not before[0]:
                     met[0].append((row, abs(v1)))
-                if m2 and not before[1]:
+                if n2 and not before[1]:
                     met[1].append((row, abs(v2 - slope * v1)))
-                every.append((m1, m2))
-        return np.array(every).T, (x1, x2, p1, p2), met
+                every.append((n1, n2, m1, m2))
+        return np.array(every).T.reshape(2, 2, -1), (x1, x2, p1, p2), met

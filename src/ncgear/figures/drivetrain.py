@@ -91,6 +91,7 @@ def _shaft(found: ShaftResult) -> dict[str, Any]:
 def _bearing(found: BearingLife) -> dict[str, Any]:
     return {
         **extreme("peak_force", "n", found.largest_n),
+        **(extreme("peak_thrust", "n", found.thrust_n) if found.thrust_n.value else {}),
         "equivalent_load_n": found.equivalent_n,
         "mean_speed_rpm": found.speed_rad_s / RAD_S_PER_RPM,
         "dynamic_rating_needed_n": found.needed_rating_n,

@@ -85,6 +85,10 @@ def _at(name: str, place: ContactValue) -> dict[str, Any]:
     }
 
 
+MUCH_PLAY = 0.25
+"""Growth of the play, as a share of the play of new gears, from which teeth knock much harder."""
+
+
 def surfaces_rows(drive: Drive, found: Surfaces) -> list[tuple[str, str]]:
     """Names and texts of what is told: wear of all, film and scuffing of metal in oil, heat of plastics."""
     wear, film, creep = found.wear, found.film, found.creep
@@ -93,6 +97,8 @@ def surfaces_rows(drive: Drive, found: Surfaces) -> list[tuple[str, str]]:
         told = ONLY_A_JAM
     elif wear.deepest_mm > 0.0:
         grows = f"backlash grows by up to {to_digits(wear.play_mm, 2)} mm"
+        if drive.design.masses is not None and wear.play_mm > MUCH_PLAY * drive.play.least_normal_mm.value:
+            grows += " (--worn rates worn gears)"
         ends = grows if wear.holds else f"a tenth of the module is gone after {hours_words(wear.life_h)}"
         told = f"{to_digits(wear.deepest_mm, 2)} mm in {hours_words(wear.wanted_h)}, within a factor of ten; {ends}"
     rows = [("wear", told)]

@@ -77,7 +77,7 @@ def strength_figures(drive: Drive, rating: Rating, verdict: Verdict, beside: Rat
         "peak_tooth_force_at_rad": float(contacts.phi1_rad[most]),
         "contact_ratio_under_load_mean": loading.contact_ratio or None,
         "transmission_error_under_load_rad": loading.transmission_error_rad if loading.contact_ratio else None,
-        **_knock_figures(loading.knocks),
+        **knock_figures(loading.knocks),
         **_jam_figures(drive, rating),
         "decided_by": {f"{gear.value}_{damage.value}": load for (gear, damage), load in decided.items()},
         **_force_figures(drive),
@@ -162,7 +162,7 @@ def _force_figures(drive: Drive) -> dict[str, Any]:
     return {**told, "forces_decided_by": decided} if told else {}
 
 
-def _knock_figures(knocks: Sequence[Knock] | None) -> dict[str, Any]:
+def knock_figures(knocks: Sequence[Knock] | None) -> dict[str, Any]:
     """How often teeth knock in a turn of the driven gear, and how fast where they do it fastest."""
     if knocks is None:
         return {"knocks": "not judged"}
@@ -195,15 +195,25 @@ def jam_words(drive: Drive, rating: Rating) -> str:
     jam, jammed = drive.conditions.overload, drive.judged_teeth(rating.strength.method).jammed
     if jam is None or jammed is None:
         return ""
-    least = dict[Damage, float]()
-    for damage, life in (one for gear in Gear for one in lives_of(jammed, gear).items()):
-        least[damage] = min(life.safety_min, least.get(damage, inf))
-    safeties = ", ".join(f"{to_digits(safety, 3)} against {damage.words}" for damage, safety in least.items())
     torque, force = figure("torque_n_m", N_M_PER_N_MM * jam.driving_n_mm), figure("force_n", jammed.peak_pair_n)
     return (
-        f"{torque} at the driving shaft, {jam.times:g} times: up to {force} on one pair of teeth, safety {safeties}; "
-        "the table has what is worse"
+        f"{torque} at the driving shaft, {jam.times:g} times: up to {force} on one pair of teeth, safety "
+        f"{least_words(jammed)}; the table has what is worse"
     )
+
+
+def least_safeties(strength: Strength) -> dict[Damage, float]:
+    """The least safety of both gears for each kind of damage."""
+    least = dict[Damage, float]()
+    for damage, life in (one for gear in Gear for one in lives_of(strength, gear).items()):
+        least[damage] = min(life.safety_min, least.get(damage, inf))
+    return least
+
+
+def least_words(strength: Strength) -> str:
+    """The same in words."""
+    found = least_safeties(strength).items()
+    return ", ".join(f"{to_digits(safety, 3)} against {damage.words}" for damage, safety in found)
 
 
 def rim_words(drive: Drive, rating: Rating) -> str:
@@ -223,10 +233,8 @@ def knock_words(knocks: Sequence[Knock] | None) -> str:
     if not knocks:
         return ""
     fastest = max(knocks, key=lambda knock: knock.speed_mm_s)
-    return (
-        f"{len(knocks)} in a turn of the driven gear, at up to {figure('knock_mm_s', fastest.speed_mm_s)} at phi1 = "
-        f"{_degrees(fastest.phi1_rad)} deg; the loads hold what they add"
-    )
+    speed, place = figure("knock_mm_s", fastest.speed_mm_s), _degrees(fastest.phi1_rad)
+    return f"{len(knocks)} in a turn of the driven gear, at up to {speed} at phi1 = {place} deg"
 
 
 def _face_load_figures(drive: Drive, rating: Rating) -> dict[str, Any]:

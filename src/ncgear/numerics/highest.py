@@ -88,6 +88,12 @@ def largest_of_each(functions: Callable[[Array], Array], places: Array, missed: 
     return largest_from(functions, places, values, np.broadcast_to(missed, len(values)))
 
 
+def range_of(function: Callable[[Array], Array], places: Array) -> tuple[Extremum, Extremum]:
+    """The least and the largest value of a function between rising places, (n,), as ``largest_of_each`` finds them."""
+    least, largest = largest_of_each(lambda at: np.stack([-function(at), function(at)]), places)
+    return Extremum(-least.value, least.at), largest
+
+
 def largest_from(functions: Callable[[Array], Array], places: Array, values: Array, missed: Array) -> list[Extremum]:
     """As ``largest_of_each``, with known values at the places, shape (q, n).
 

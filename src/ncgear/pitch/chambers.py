@@ -27,7 +27,7 @@ from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.chebyshev import PiecewiseChebyshev
 from ncgear.numerics.extrema import Extremum
-from ncgear.numerics.highest import largest_of_each
+from ncgear.numerics.highest import largest_of_each, range_of
 from ncgear.numerics.zeros import all_zeros
 from ncgear.pitch.lobed import LobedCurves
 
@@ -160,10 +160,7 @@ class Chambers:
     def flow_range(self) -> tuple[Extremum, Extremum]:
         """The least and the greatest flow in mm^3 per rad, with the sun's angle."""
         period = 2.0 * pi / lcm(self.curves.sun_lobes, self.curves.ring_lobes)
-        both = largest_of_each(
-            lambda alpha: np.stack([-self.flow_mm3(alpha), self.flow_mm3(alpha)]), np.linspace(0.0, period, PLACES)
-        )
-        return Extremum(-both[0].value, both[0].at), both[1]
+        return range_of(self.flow_mm3, np.linspace(0.0, period, PLACES))
 
     @property
     def pulsation(self) -> float:

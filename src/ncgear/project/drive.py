@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
+from time import perf_counter
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,6 +16,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.geared import Geared
 from ncgear.project.moving import computed, computed_by
+from ncgear.stopwatch import left_words
 
 if TYPE_CHECKING:
     from ncgear.contact.designed.as_designed import AsDesigned
@@ -476,9 +478,11 @@ class Drive(Geared):
             toothed = ToothedMachine(driving, damped(given, meshing, inertia), load)
             state = started(toothed, self.transmission, Start(given.start), speed)
             said = "" if stiffness_factor == 1.0 else f" at {stiffness_factor:g} times the stiffness"
+            began_s = perf_counter()
 
             def on_turns(done: float) -> None:
-                self.stopwatch.within(f"{done:.2f} of {given.turns:g} turns{said}")
+                left = left_words(perf_counter() - began_s, done / given.turns)
+                self.stopwatch.within(f"{done:.2f} of {given.turns:g} turns{said}{left}")
 
             return course(toothed, state, given.turns, accuracy, on_turns=on_turns)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import field, replace
+from functools import partial
 from math import inf
 from typing import TYPE_CHECKING
 
@@ -18,6 +19,7 @@ from ncgear.drivetrain.bearings import (
     WantedLife,
     bearing_lives,
     bending_moment_n_mm,
+    gear_sides_mm,
     most_bent,
     peak_places_rad,
     shaft_loads,
@@ -45,7 +47,7 @@ from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.pitch.shape import Gear
-from ncgear.project.face_load import bearing_of
+from ncgear.project.face_load import bearings_of
 from ncgear.project.motor import MotorResult, demand_of, motor_of
 
 if TYPE_CHECKING:
@@ -155,9 +157,8 @@ def _shaft(
     """The shaft of a gear under the worst of all loads; raises WrongInput where diameter or keyway is missing."""
     if given is None:
         return None
-    if given.bearing_a is None or given.bearing_b is None:
+    if (bearings := bearings_of(given)) is None:
         return ShaftResult(None, None, None, None)
-    bearings = bearing_of(given.bearing_a), bearing_of(given.bearing_b)
     results = {
         load: _shaft_of(design, gear, given, bearings, crank_at_mm, cycle, wanted) for load, cycle in cycles.items()
     }
@@ -178,7 +179,7 @@ def _sizes(found: ShaftResult) -> dict[str, float]:
     """The load of each part, as forces and stresses that grow as the part becomes weaker."""
     sizes = dict[str, float]()
     for letter, bearing in zip("ab", found.bearings or (), strict=False):
-        sizes |= {f"bearing_{letter}_life": bearing.equivalent_n, f"bearing_{letter}_force": bearing.largest_n.value}
+        sizes |= {f"bearing_{letter}_life": bearing.equivalent_n, f"bearing_{letter}_force": bearing.static_n}
     if found.shaft is not None:
         sizes |= {"fatigue": 1.0 / found.shaft.fatigue, "yielding": 1.0 / found.shaft.yielding}
     return sizes if found.key is None else {**sizes, "key": found.key.pressure_mpa}
@@ -186,7 +187,7 @@ def _sizes(found: ShaftResult) -> dict[str, float]:
 
 def _sizes_in_jam(jammed: JammedShaft, key: KeySafety | None) -> dict[str, float]:
     """The same for the parts that a jam loads: no part tires from it."""
-    sizes = {f"bearing_{letter}_force": most.value for letter, most in zip("ab", jammed.largest_n, strict=True)}
+    sizes = {f"bearing_{letter}_force": most for letter, most in zip("ab", jammed.static_n, strict=True)}
     if jammed.yielding is not None:
         sizes["yielding"] = 1.0 / jammed.yielding
     return sizes if key is None else {**sizes, "key": key.pressure_mpa}
@@ -213,8 +214,11 @@ def _worse(law: ShaftResult, knocks: ShaftResult) -> ShaftResult:
 
 def _worse_bearing(law: BearingLife, knocks: BearingLife) -> BearingLife:
     lives = max(law, knocks, key=lambda one: one.equivalent_n)
-    bears = max(law, knocks, key=lambda one: one.largest_n.value)
-    return replace(lives, largest_n=bears.largest_n, static_safety=bears.static_safety)
+    across = max(law.largest_n, knocks.largest_n, key=lambda most: most.value)
+    bears = max(law, knocks, key=lambda one: one.static_n)
+    along = max(law.thrust_n, knocks.thrust_n, key=lambda most: most.value)
+    found = replace(lives, largest_n=across, thrust_n=along)
+    return replace(found, static_n=bears.static_n, static_safety=bears.static_safety)
 
 
 def _shaft_of(
@@ -241,15 +245,16 @@ def _shaft_of(
     steel = STEELS[given.steel] if given.steel else Steel(given.tensile_mpa or 0.0, given.yield_mpa or 0.0)
     section = ShaftSection(diameter, given.blank_mm or diameter, steel)
 
-    def borne(phi1: Array) -> tuple[ComplexArray, Array, Array]:
+    def borne(phi1: Array, beside_mm: float) -> tuple[ComplexArray, Array, Array]:
         at = shaft_loads(cycle, gear, phi1)
-        return bending_moment_n_mm(at, bearings, crank_at_mm, 0.0), at.torque_n_mm, at.turned_rad
+        return bending_moment_n_mm(at, bearings, crank_at_mm, beside_mm), at.torque_n_mm, at.turned_rad
 
-    shaft = BentShaft(borne, places, _cycles_rad(gear, cycle))
+    turned_rad = _cycles_rad(gear, cycle)
+    shafts = [BentShaft(partial(borne, beside_mm=at), places, turned_rad) for at in gear_sides_mm(loads)]
 
     def of_diameter(diameter_mm: float) -> ShaftSafety:
         thick = ShaftSection(diameter_mm, max(diameter_mm, section.blank_mm), steel)
-        return shaft_safety(thick, shaft)
+        return min((shaft_safety(thick, one) for one in shafts), key=lambda found: min(found.fatigue, found.yielding))
 
     safety, key = of_diameter(diameter), _key(design, gear, given, section, loads.torque_n_mm)
     return ShaftResult(lives, bent, safety, key, _thick_enough_mm(of_diameter, diameter, safety))

@@ -22,7 +22,8 @@ import numpy as np
 
 from ncgear.design.keys import drivetrain as keys
 from ncgear.design.keys.gears import Gears
-from ncgear.drivetrain.bearings import Bearing, stiffness_n_mm, supporting_forces
+from ncgear.drivetrain.bearings import Bearing, bearing_forces, stiffness_n_mm
+from ncgear.drivetrain.cycle import ShaftLoads, complex_of
 from ncgear.dynamics.knocking import hurried_loads
 from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import sample_angles
@@ -111,11 +112,15 @@ class FaceLoading:
         """
         assert self.asked is not None
         asked, mesh = self.asked, self.asked.mesh_force(phi1_rad, urge)
-        towards = (mesh.force.x.value + 1j * mesh.force.y.value) / mesh.size_n.value
+        towards = complex_of(mesh.force) / mesh.size_n.value
         arms = asked.arms_mm(phi1_rad, urge)
         torque = urge * force_n * arms[:, 1]
         crank = np.real(_crank_n(asked, phi1_rad, torque - asked.torque_n_mm(phi1_rad)) * np.conj(towards))
-        return FaceLoads(application_factor * shaken * force_n, stiffness_n_mm2, application_factor * crank, arms)
+        driving, driven = asked.place.couples_mm(asked.slope(phi1_rad))
+        along = np.stack([-driving, driven], axis=-1) * np.conj(towards)[:, None]
+        couples = np.real(along) * (mesh.thrust_n.value / mesh.size_n.value)[:, None]
+        over = application_factor * shaken
+        return FaceLoads(over * force_n, stiffness_n_mm2, application_factor * crank, arms, couples)
 
 
 def _crank_n(asked: ToothLoad, phi1_rad: Array, beyond_n_mm: Array) -> ComplexArray:
@@ -123,8 +128,7 @@ def _crank_n(asked: ToothLoad, phi1_rad: Array, beyond_n_mm: Array) -> ComplexAr
 
     Teeth carry ``beyond_n_mm`` (shape (n,)) more than the law asks of the driven gear.
     """
-    bearing = hurried_loads(asked.machine, phi1_rad, beyond_n_mm).crank_bearing
-    return np.asarray(-(bearing.x.value + 1j * bearing.y.value))
+    return -complex_of(hurried_loads(asked.machine, phi1_rad, beyond_n_mm).crank_bearing)
 
 
 def face_loading_of(drive: Geared) -> FaceLoading:
@@ -141,12 +145,13 @@ def face_loading_of(drive: Geared) -> FaceLoading:
         return FaceLoading("assumed", why=driving if isinstance(driving, str) else str(driven))
     asked = asked_of(drive)
     phi1 = sample_angles(asked.pair.transmission)
-    mesh, crank = asked.mesh_force(phi1).force, _crank_n(asked, phi1, np.zeros(phi1.size))
-    on_driven = mesh.x.value + 1j * mesh.y.value
+    idle = np.zeros(phi1.size)
+    mesh, crank, none = asked.mesh_force(phi1), _crank_n(asked, phi1, idle), (idle, idle)
     # The arm of the force is about the radius of the roots.
     arms = asked.arms_mm(phi1, np.ones(phi1.size)).min(axis=0)
     first, second = (one.youngs_modulus_mpa for one in drive.materials)
-    shafts = driving.shaft((arms[0], first), -on_driven, 0.0 * crank), driven.shaft((arms[1], second), on_driven, crank)
+    loads = ShaftLoads.pair(asked.place, mesh, (phi1, asked.pair.transmission.driven_angle(phi1, 1)), crank, none)
+    shafts = driving.shaft((arms[0], first), loads[0]), driven.shaft((arms[1], second), loads[1])
     askew, running = _askew_mm(design, drive.running), drive.running
     worn = sum(running_in(one, running, askew) for one in choices_of(gears)) / 2.0
     lead = gears.lead
@@ -157,10 +162,17 @@ def face_loading_of(drive: Geared) -> FaceLoading:
     return FaceLoading("computed", model=model, asked=asked)
 
 
-def bearing_of(given: keys.Bearing) -> Bearing:
-    """A bearing from the keys of the section."""
+def bearings_of(shaft: keys.DrivingShaft | None) -> tuple[Bearing, Bearing] | None:
+    """Both bearings from the keys of a shaft; None where they are not given."""
+    if shaft is None or shaft.bearing_a is None or shaft.bearing_b is None:
+        return None
+    return _bearing(shaft.bearing_a, shaft.thrust_on == "a"), _bearing(shaft.bearing_b, shaft.thrust_on == "b")
+
+
+def _bearing(given: keys.Bearing, bears_thrust: bool) -> Bearing:
     stiffness = None if given.stiffness_n_per_um is None else N_PER_MM_PER_UM * given.stiffness_n_per_um
-    return Bearing(given.at_mm, given.kind, given.dynamic_rating_n, given.static_rating_n, stiffness)
+    ratings = given.dynamic_rating_n, given.static_rating_n
+    return Bearing(given.at_mm, given.kind, *ratings, stiffness, given.contact_angle_deg, bears_thrust)
 
 
 @dataclass(frozen=True)
@@ -174,17 +186,17 @@ class _Around:
     @classmethod
     def of(cls, given: keys.DrivingShaft | None, gears: Gears, gear: Gear) -> _Around | str:
         """The surroundings by the keys of a shaft, or the words for a key that is missing."""
-        if given is None or given.bearing_a is None or given.bearing_b is None:
+        if given is None or (bearings := bearings_of(given)) is None:
             return f"drivetrain gives no bearings of the {gear.value} shaft"
         diameter = given.diameter_mm or (gears.driving if gear is Gear.DRIVING else gears.driven).bore_mm
         if diameter is None:
             return f"the diameter of the {gear.value} shaft is not given"
         crank_at = given.crank_at_mm if isinstance(given, keys.DrivenShaft) else 0.0
-        return cls((bearing_of(given.bearing_a), bearing_of(given.bearing_b)), diameter, crank_at)
+        return cls(bearings, diameter, crank_at)
 
-    def shaft(self, body: tuple[float, float], gear_n: ComplexArray, crank_n: ComplexArray) -> SteelShaft:
-        """The shaft on springs under the forces of gear and crank over the cycle; ``body``: the body's radius and E."""
-        borne = supporting_forces(gear_n, crank_n, self.bearings, self.crank_at_mm)
+    def shaft(self, body: tuple[float, float], loads: ShaftLoads) -> SteelShaft:
+        """The shaft on springs under its loads over the cycle; ``body``: the body's radius and E."""
+        borne = bearing_forces(loads, self.bearings, self.crank_at_mm)
         first, second = (
             Support(one.at_mm, stiffness_n_mm(one, float(np.abs(force).max())))
             for one, force in zip(self.bearings, borne, strict=True)

@@ -153,7 +153,7 @@ def large_enough(drive: Drive, rating: Rating) -> Changes:
 def helical_enough(drive: Drive, rating: Rating) -> Changes:
     """The first of HELIX_DEG with which the teeth hold; empty where none does, or where teeth stay straight.
 
-    Teeth are helical, or herringbone ones where bearings are given, which bear no thrust.
+    Teeth are helical, or herringbone ones where bearings are given, which were chosen without thrust.
     """
     if not may_be_helical(drive) or HELIX_GAIN * min(one.share for one in rating.weakest) < 1.0:
         return {}

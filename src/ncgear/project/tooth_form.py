@@ -85,8 +85,9 @@ def thickness_limits_mm(gears: Gears) -> tuple[float, float] | None:
 
 def mesh_place(gears: Gears, center_distance_mm: float) -> MeshPlace:
     """The relative place of gears and crank, which the force between the gears needs."""
-    (pushing, idle), axis = map(radians, gears.rack.angles_deg), radians(gears.driving_axis_deg)
-    return MeshPlace(center_distance_mm, pushing, Mesh(gears.mesh), axis, idle)
+    (pushing, idle), axis, helix = map(radians, gears.rack.angles_deg), radians(gears.driving_axis_deg), helix_of(gears)
+    thrust = 0.0 if helix is None else helix.thrust_sense * helix.thrust_share
+    return MeshPlace(center_distance_mm, pushing, Mesh(gears.mesh), axis, idle, thrust_share=thrust)
 
 
 def helix_of(gears: Gears) -> Helix | None:

@@ -63,8 +63,7 @@ class ToothLoad:
 
     def passed_on_n_mm(self, driving_n_mm: Array | float, angle_rad: Array) -> Array:
         """The torque on the driven gear from a torque on the machine's driving shaft, shape (n,)."""
-        driven_speed = self.pair.transmission.driven_angle(angle_rad, 1).derivative(1) * self.pair.speed(angle_rad)
-        return np.asarray(driving_n_mm / driven_speed)
+        return np.asarray(driving_n_mm / (self.slope(angle_rad) * self.pair.speed(angle_rad)))
 
     @property
     def knocks_are_judged(self) -> bool:
@@ -80,12 +79,16 @@ class ToothLoad:
         slope = self.pair.transmission.driven_angle(angle_rad, 2).differentiated()
         return mesh_force(self.place, slope, Jet(torque[None, :]))
 
+    def slope(self, angle_rad: Array) -> Array:
+        """The driven gear's angle by the driving gear's, shape (n,)."""
+        return self.pair.transmission.driven_angle(angle_rad, 1).derivative(1)
+
     def arms_mm(self, angle_rad: Array, urge: Array) -> Array:
         """The arms of the mesh force about both axes, shape (n, 2).
 
         ``urge`` is +1 where pushing flanks carry, -1 where backs carry.
         """
-        slope = self.pair.transmission.driven_angle(angle_rad, 1).derivative(1)
+        slope = self.slope(angle_rad)
         return np.stack([slope, np.ones(slope.shape)], axis=1) / self.mesh_force(angle_rad, urge).size_n.value[:, None]
 
     @cached_property

@@ -6,8 +6,9 @@ mm of way.  Both gears follow their shafts, so the gap between the flanks at a p
     g(z) = g_0(z) + integral of A(z, s) w(s) ds,   w(z) = c max(0, x - g(z)),   integral of w(z) dz = F
 
 with w the load for each mm of width, x the approach of the gears along the normal, g_0 the gap without the mesh force
-(flanks askew, crowning, end relief, the shaft bent by the crank's force) and A(z, s) the way by which both gears yield
-at z under a force of 1 N at s.  Flanks only press, so w is never below 0.  The face load factor is K_Hbeta = max(w) b /
+(flanks askew, crowning, end relief, the shafts bent by the crank's force and the couples of helical teeth's thrust,
+which press over the width as its length from the middle) and A(z, s) the way by which both gears yield at z under a
+force of 1 N at s.  Flanks only press, so w is never below 0.  The face load factor is K_Hbeta = max(w) b /
 F.  That is the method of ISO 6336-1:2019, annex E (secondary sources), with these choices:
 
 - A shaft is a beam of one diameter on two springs, by Timoshenko: A is the sum over the shaft of M_z M_s / (E I) +
@@ -146,13 +147,15 @@ class FaceLoads(Columns):
 
     ``force_n`` is the normal force of all pairs together and ``stiffness_n_mm2`` their stiffness for each mm of width.
     ``crank_n`` is the part of the crank's force on the driven shaft in the direction of the mesh force on that shaft.
-    ``arms_mm`` (shape (n, 2)) are the arms of the mesh force about both axes.
+    ``arms_mm`` (shape (n, 2)) are the arms of the mesh force about both axes.  ``couples_mm`` (shape (n, 2)) are the
+    parts of the couples of thrust on both shafts in the directions in which the teeth press these, over ``force_n``.
     """
 
     force_n: Array
     stiffness_n_mm2: Array
     crank_n: Array
     arms_mm: Array
+    couples_mm: Array
 
 
 def places_mm(width_mm: float, lead: LeadForm) -> Array:
@@ -194,13 +197,19 @@ class FaceModel:
         driven = self.shafts[1]
         force, stiffness = loads.force_n[pressed], loads.stiffness_n_mm2[pressed]
         straight, twist = _mean_line(at), self._twist(at, loads.arms_mm[pressed])
-        compliance = twist + sum(
+        bodies = [
             one.bent_teeth * bent + (1.0 - one.bent_teeth) * straight @ bent @ straight.T
             for one, bent in ((one, one.compliance(at, at)) for one in self.shafts)
-        )
+        ]
+        compliance = twist + sum(bodies)
         by_crank = driven.compliance(at, np.array([self.crank_at_mm]))[:, 0]
         by_crank = driven.bent_teeth * by_crank + (1.0 - driven.bent_teeth) * straight @ by_crank
         gap = by_crank * loads.crank_n[pressed, None] + self.lead.gap_mm(at, self.width_mm)
+        if loads.couples_mm.any():
+            # A load in proportion to the place, of which the couple is 1.
+            couple = _over_width(at) @ at
+            tilts = np.stack([body @ couple for body in bodies]) / (at @ couple)
+            gap = gap + (force[:, None] * loads.couples_mm[pressed]) @ tilts
         askew = self.askew_mm * at / self.width_mm
         senses = (1.0, -1.0) if self.askew_mm else (1.0,)
         largest = [largest_line_load(at, gap + sense * askew, compliance, stiffness, force) for sense in senses]
@@ -247,9 +256,14 @@ def best_crowning_mm(model: FaceModel, loads: FaceLoads, most_n: Array) -> float
 
 def _mean_line(at_mm: Array) -> Array:
     """From a form at places along the width to the line of its least squares there, shape (places, places)."""
-    mass = _hats(np.tile([0.0, 1.0], (1, at_mm.size - 1, 1)), np.diff(at_mm))[0]
+    mass = _over_width(at_mm)
     lines = np.stack([np.ones(at_mm.size), at_mm])
     return np.asarray(lines.T @ np.linalg.solve(lines @ mass @ lines.T, lines @ mass))
+
+
+def _over_width(at_mm: Array) -> Array:
+    """From a load for each mm of width at places to its forces on the places, shape (places, places)."""
+    return np.asarray(_hats(np.tile([0.0, 1.0], (1, at_mm.size - 1, 1)), np.diff(at_mm))[0])
 
 
 STEPS = 40

@@ -236,17 +236,23 @@ class Design(Model, Shown):
                 f"{self.gears.lobes.driven} given, but a law of the slider's motion drives one crank; 1 is right",
             )
 
-    def _bearings_bear_no_thrust(self) -> Faults:
+    def _bearings_bear_the_thrust(self) -> Faults:
         if not (self.drivetrain and self.gears and self.gears.helix and self.gears.helix.kind == "helical"):
             return
         for name in ("driving_shaft", "driven_shaft"):
             shaft = getattr(self.drivetrain, name)
-            if shaft is not None and shaft.bearing_a is not None:
-                yield fault(
-                    f"drivetrain.{name}.bearing_a",
-                    "given, but helical teeth press along their shafts, which is not followed; herringbone or straight "
-                    "ones, or leave the bearings out",
+            bearing = None if shaft is None else getattr(shaft, f"bearing_{shaft.thrust_on}")
+            if bearing is None or bearing.contact_angle_deg is not None:
+                continue
+            key, why = "static_rating_n", "what a ball bearing does under the thrust of helical teeth depends on it"
+            if bearing.kind == "roller":
+                key, why = (
+                    "contact_angle_deg",
+                    "cylindrical rollers bear no thrust of helical teeth; others have an angle",
                 )
+            elif bearing.static_rating_n is not None:
+                continue
+            yield fault(f"drivetrain.{name}.bearing_{shaft.thrust_on}.{key}", f"missing; {why}")
 
     def _bearings_stand_beside_their_gears(self) -> Faults:
         if self.drivetrain is None or self.gears is None:

@@ -14,6 +14,9 @@ from ncgear.design.keys.base import Faults, Length, Model, Place, Positive, Spee
 Share = Annotated[float, Field(gt=0.0, le=1.0)]
 Coefficient = Annotated[float, Field(ge=0.0, le=2.0)]
 
+LEAST_BALL_DEG = 20.0
+"""Least contact angle of rows of balls for which ISO 281 has factors that do not change with the load."""
+
 
 class Bearing(Model):
     """One of the two bearings of a shaft."""
@@ -33,6 +36,21 @@ class Bearing(Model):
         "face width; left out: that of a usual bearing with this static rating in a rigid housing, or rigid without "
         "one"
     )
+    contact_angle_deg: float | None = optional(
+        "contact angle in degrees of two rows of balls (20 or over) or rollers that bear thrust to both sides, as of "
+        "spherical roller bearings or tapered ones in pairs; left out: balls in a deep groove, cylindrical rollers",
+        ge=1.0,
+        le=45.0,
+    )
+
+    def _faults(self) -> Faults:
+        angle = self.contact_angle_deg
+        if self.kind == "ball" and angle is not None and angle < LEAST_BALL_DEG:
+            yield fault(
+                "contact_angle_deg",
+                f"{angle:g} given, but rows of balls bear thrust at {LEAST_BALL_DEG:g} deg or over; leave it out for a "
+                "deep groove",
+            )
 
 
 class ShaftKey(Model):
@@ -71,6 +89,9 @@ class DrivingShaft(Model):
         "diameter in mm of the blank when the steel was heat treated; left out: diameter of the shaft"
     )
     key: ShaftKey | None = optional("key in the gear's keyway; left out: not looked at. Needs the steel")
+    thrust_on: Literal["a", "b"] = optional(
+        "a or b: the bearing that bears the thrust of helical teeth, in both directions", "a"
+    )
 
     def _faults(self) -> Faults:
         if self.bearing_a and self.bearing_b and self.bearing_a.at_mm == self.bearing_b.at_mm:

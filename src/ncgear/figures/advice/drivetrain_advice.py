@@ -150,7 +150,7 @@ def _of_bearings(name: str, found: ShaftResult, hours: float) -> Iterator[Advice
                 f"the load of {which} is more than half its dynamic load rating, the limit of ISO 281",
                 _at_least(f"{key}.dynamic_rating_n", one.equivalent_n / MOST_OF_RATING),
             )
-        yield from _dented(name, letter, one.largest_n.value, one.static_safety)
+        yield from _dented(name, letter, one.static_n, one.static_safety)
 
 
 def _dented(name: str, letter: str, most_n: float, safety: float | None, when: str = "") -> Iterator[Advice]:
@@ -195,8 +195,8 @@ def _of_jam(name: str, found: ShaftResult) -> Iterator[Advice]:
     jammed = found.jammed
     if jammed is None:
         return
-    for letter, most, safety in zip("ab", jammed.largest_n, jammed.static_safety, strict=True):
-        yield from _dented(name, letter, most.value, safety, "in a jam ")
+    for letter, most, safety in zip("ab", jammed.static_n, jammed.static_safety, strict=True):
+        yield from _dented(name, letter, most, safety, "in a jam ")
     if jammed.yielding is not None and jammed.yielding < LEAST_SAFETY:
         assert found.shaft is not None
         thick = found.shaft.section.diameter_mm * (LEAST_SAFETY / jammed.yielding) ** (1.0 / 3.0)

@@ -191,6 +191,11 @@ def _idle_keys(drive: Drive) -> Iterator[Idle]:
         for name in shafts:
             both = (f"{name}.bearing_{letter}.stiffness_n_per_um" for letter in "ab")
             yield from tell(why.format("one shaft"), helps, *both)
+    if gears is None or gears.helix is None or gears.helix.kind != "helical":
+        for name in shafts:
+            thrust = "thrust_on", "bearing_a.contact_angle_deg", "bearing_b.contact_angle_deg"
+            why = "without helical teeth, which alone press along a shaft"
+            yield from tell(why, "leave it out", *(f"{name}.{key}" for key in thrust))
     for name, shaft in shafts.items():
         if shaft is not None and shaft.bearing_a is None:
             yield from tell("without bearings", "give them", f"{name}.crank_at_mm")

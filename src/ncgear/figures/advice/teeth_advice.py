@@ -219,9 +219,10 @@ def _parts(drive: Drive, side: SideContact) -> bool:
 
 
 def thrust(drive: Drive) -> Advice | None:
-    """The thrust of helical teeth along their axes."""
-    helix = drive.helix
-    if helix is None or not helix.thrust_share:
+    """The thrust of helical teeth along their axes; none where both shafts have bearings, which are judged with it."""
+    helix, around = drive.helix, drive.design.drivetrain
+    shafts = (around.driving_shaft, around.driven_shaft) if around else ()
+    if helix is None or not helix.thrust_share or (shafts and all(one and one.bearing_a for one in shafts)):
         return None
     towards, away = ("growing", "falling") if helix.hand == "right" else ("falling", "growing")
     return Advice(

@@ -240,7 +240,7 @@ CONDITIONS: dict[Kind, Condition] = {
     ),
     Kind.THRUST: Condition(
         "thrust",
-        "no thrust loads the shafts",
+        "bearings are given for the thrust, if there is any",
         lambda drive: _gears(drive) and drive.helix is not None,
         _of_teeth(Kind.THRUST),
     ),

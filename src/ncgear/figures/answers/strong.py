@@ -30,9 +30,11 @@ from ncgear.figures.strong import (
     rim_words,
     weakest_cells,
 )
+from ncgear.figures.worn import worn_fault, worn_rows
 from ncgear.project.drive import Drive
 from ncgear.project.sizing import Sized, may_be_narrower
 from ncgear.project.strengthening import HELIX_DEG, Rating, largest_thrust_n
+from ncgear.project.worn import Worn
 
 HOLD_NOT = "The teeth do not hold: these are under the wanted safety, the weakest first"
 
@@ -41,18 +43,20 @@ METHODS = {"estimate": "local estimate after ISO 6336 and VDI 2736", "elements":
 
 
 def strength_answer(
-    pairs: Sequence[tuple[Drive, Rating, Sequence[Remedy], Rating | None]], verdict: Verdict, then: str = ""
+    pairs: Sequence[tuple[Drive, Rating, Sequence[Remedy], Rating | None, Sequence[Worn]]],
+    verdict: Verdict,
+    then: str = "",
 ) -> Answer:
-    """Whether the teeth of all pairs hold: each with its rating, its remedies, and the rating of another method.
+    """Whether the teeth of all pairs hold: each with its rating, its remedies, the rating of another method, and worn.
 
     ``verdict`` is that on the whole machine; its other warnings follow.
     """
-    drive, first, _, beside = pairs[0]
+    drive, first, _, beside, _ = pairs[0]
     heads = [f"{head.label}, {head.unit}" if head.unit else head.label for head in HEADS[2:]]
     if beside is not None:
         heads.insert(1, f"by {beside.strength.method}")
-    rows, faults, about = [], list[Fault](), list[Row]()
-    for pair, rating, remedies, other in pairs:
+    rows, faults, lasting, about = [], list[Fault](), list[Row](), list[Row]()
+    for pair, rating, remedies, other, worn in pairs:
         rows += _rows(pair.of, rating, other)
         weak = [one for one in rating.weakest if not one.holds]
         cures = [remedy.brief for remedy in remedies]
@@ -63,12 +67,14 @@ def strength_answer(
             for place, one in enumerate(sorted(weak, key=lambda one: one.share))
         ]
         about += _about(pair, rating)
+        lasting += [Row(f"{pair.of}{name}", (words,)) for name, words in worn_rows(pair, worn)]
+        faults += [] if weak else [Fault(f"{pair.of}{fault}") for fault in worn_fault(worn)]
     design = drive.design
     others = faults_of(verdict.without(Kind.STRENGTH))
     held = holding_words(any(rating.strength.wears for _, rating, *_ in pairs))
     return Answer(
         f"{design.name}: strength of the teeth at {design.operation.speed_rpm:g} r/min",
-        (*rows, Row("method", (METHODS[first.strength.method],)), *about),
+        (*rows, *lasting, Row("method", (METHODS[first.strength.method],)), *about),
         (*faults, *others),
         f"Load: {load_words(drive, first.strength)}",
         heads=tuple(heads),
@@ -105,7 +111,7 @@ def _about(drive: Drive, rating: Rating) -> list[Row]:
         ("material", materials_words(drive, strength)),
         ("force", f"up to {force} on one pair of teeth, times {jolts_words(drive)}"),
         ("jam", jam_words(drive, rating)),
-        ("knocks", knock_words(loading.knocks)),
+        ("knocks", f"{knocks}; the loads hold what they add" if (knocks := knock_words(loading.knocks)) else ""),
         ("decided", deciding_words(drive, rating)),
         ("rim", rim_words(drive, rating)),
         ("face load", face_load_words(drive, rating)),

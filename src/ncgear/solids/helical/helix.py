@@ -54,10 +54,15 @@ class Helix:
         """Axial force per tangential force at the pitch point; zero for herringbone teeth, whose halves cancel."""
         return 0.0 if self.herringbone else tan(self.angle_rad)
 
+    @property
+    def thrust_sense(self) -> float:
+        """+1 where the thrust on a driven gear that is pushed points towards growing z, -1 where it points back."""
+        return -1.0 if self.hand is Hand.RIGHT else 1.0
+
     def advance_mm(self, height_mm: float) -> float:
         """Advance of both gears' teeth, in the direction of growing arc length, at a height from 0 to the face width.
 
         Arc length runs clockwise on the driving gear, opposite to the rise of a right-hand helix.
         """
         rolled = min(height_mm, 2.0 * self.rise_mm - height_mm) if self.herringbone else height_mm
-        return (-1.0 if self.hand is Hand.RIGHT else 1.0) * rolled * tan(self.angle_rad)
+        return self.thrust_sense * rolled * tan(self.angle_rad)
