@@ -22,7 +22,7 @@ from ncgear.mechanisms.forces import RodMasses
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.loads import machine_loads
-from ncgear.optimum.task import GearSize, Task, figures, tooth_force_n
+from ncgear.optimum.task import GearSize, Task, figures, tooth_loads
 from ncgear.optimum.task import felt as felt_figures
 from ncgear.pitch.shape import Mesh
 from ncgear.project.law_task import task_of
@@ -180,7 +180,7 @@ def test_nothing_moves_and_nothing_resists() -> None:
 def test_the_force_between_teeth_is_torque_over_lever() -> None:
     """On circles the lever is the base circle's radius; the peak torque is that of the power."""
     even = Machine(uniform_law(Lobes()), BALER_LINKAGE, PRESS, 60.0 * RPM)
-    force = tooth_force_n(RigidMachine(even, WHOLE, MeshPlace(200.0, radians(20.0), Mesh.EXTERNAL, 0.0)))
+    force = tooth_loads(RigidMachine(even, WHOLE, MeshPlace(200.0, radians(20.0), Mesh.EXTERNAL, 0.0)))[0]
     own = felt(RigidMachine(even, WHOLE), 0.05)
     torque = max(own.peak_power_w, own.braking_power_w) * 1e3 / even.speed_rad_s
     assert force == pytest.approx(torque / (100.0 * cos(radians(20.0))), rel=1e-12)

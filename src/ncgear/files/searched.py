@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import accumulate
 from math import cos, pi, sin
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,9 +23,10 @@ from ncgear.optimum.frontier import limit_points
 from ncgear.project.best_law import BestLaw
 from ncgear.project.frontier_run import Frontier
 from ncgear.project.law_task import SoughtMachine
-from ncgear.project.outline_fit import OutlineFit
-from ncgear.whole_machines.search import WholeMachines
-from ncgear.whole_machines.told import machines_figures
+
+if TYPE_CHECKING:
+    from ncgear.project.outline_fit import OutlineFit
+    from ncgear.whole_machines.search import WholeMachines
 
 Points = Sequence[tuple[float, float]]
 
@@ -110,6 +112,8 @@ FIGURES = "machines.json"
 
 def machine_files(found: WholeMachines) -> dict[str, bytes]:
     """The content of each file by its name."""
+    from ncgear.whole_machines.told import machines_figures
+
     texts = {f"{one.name}.yaml": one.text.encode() for one in found.machines}
     return {**texts, FIGURES: json_text(machines_figures(found)).encode()}
 

@@ -232,26 +232,25 @@ class SlottedLever(SlottedLevers[float], Mechanism):
         The lever's own frame has its origin at its far pin and its axis on +x.
         """
         pin = self.crank_body(crank_angle, 0.0).pin
-        still, angle, tip = 0.0 * crank_angle, self._angle(crank_angle), self._on_lever(crank_angle, self.lever_mm)
+        still, angle = 0.0 * crank_angle, self._angle(crank_angle)
         ram = Vector(self.displacement(crank_angle) + self.nearest_mm, still + self.offset_mm)
         return {
             "ram": Link(ram, still),
             "crank": self.crank_link(crank_angle),
-            "lever": Link(tip, angle + pi),
+            "lever": Link(self._on_lever(angle, self.lever_mm), angle + pi),
             "block": Link(pin, angle),
         }
 
     def _angle(self, crank_angle: Jet) -> Jet:
         """Direction of the lever from its axis, counter-clockwise from +x."""
-        _, sine, versine = self._block(crank_angle)
-        distance = self._block(crank_angle)[0]
+        distance, sine, versine = self._block(crank_angle)
         # tan(chi/2) = sin(chi)/(1 + cos(chi)); the lever swings by less than half a turn
         chi = 2.0 * jet.arctan(sine / (2.0 * distance - versine))
         return (0.5 * pi + self._swing_rad) - chi
 
-    def _on_lever(self, crank_angle: Jet, distance_mm: float) -> Vector:
-        """The point of the lever at a distance from its axis."""
-        sine, cosine = jet.sin_cos(self._angle(crank_angle))
+    def _on_lever(self, angle: Jet, distance_mm: float) -> Vector:
+        """The point of the lever, by its direction, at a distance from its axis."""
+        sine, cosine = jet.sin_cos(angle)
         return Vector(distance_mm * cosine, distance_mm * sine - self.pivot_mm)
 
     def shapes(self) -> Mapping[str, LinkShape]:
@@ -271,11 +270,12 @@ class SlottedLever(SlottedLevers[float], Mechanism):
     def moving_masses(self, crank_angle: Jet, masses: Masses) -> tuple[MovingMass, ...]:
         """Ram, lever and block."""
         assert isinstance(masses, LeverMasses)
-        links, angle = self.links(crank_angle), self._angle(crank_angle)
+        links = self.links(crank_angle)
+        angle = links["block"].angle
         own = masses.lever_inertia_kg_mm2 - masses.lever_kg * masses.lever_center_mm**2
         return (
             MovingMass(masses.slider_kg, links["ram"].origin, links["ram"].angle),
-            MovingMass(masses.lever_kg, self._on_lever(crank_angle, masses.lever_center_mm), angle, own),
+            MovingMass(masses.lever_kg, self._on_lever(angle, masses.lever_center_mm), angle, own),
             MovingMass(masses.block_kg, links["block"].origin, angle),
         )
 
@@ -295,7 +295,7 @@ class SlottedLever(SlottedLevers[float], Mechanism):
         sine, cosine = (pace.now(one) for one in jet.sin_cos(lever.angle))
         turned = pace.second(lever.angle) * (N_PER_KG_MM_S2 * lever.inertia_kg_mm2)
         turned = turned + place(pace, lever.center - axis).cross(swings)
-        turned = turned + place(pace, self._on_lever(crank_angle, self.lever_mm) - axis).cross(ram_pin)
+        turned = turned + place(pace, self._on_lever(lever.angle, self.lever_mm) - axis).cross(ram_pin)
         push = turned * (1.0 / pace.now(self._block(crank_angle)[0]))
         slot = Vector(0.0 - push * sine, push * cosine)
         pin = moves + slot

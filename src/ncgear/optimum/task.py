@@ -13,7 +13,7 @@ from math import degrees, inf, pi, tan
 from typing import Any
 
 from ncgear.dynamics.driving_shaft import DrivingShaft
-from ncgear.dynamics.loaded_machine import IDLE, RigidMachine, broken_cycle, largest_over, range_over
+from ncgear.dynamics.loaded_machine import IDLE, RigidMachine, broken_cycle, largest_over
 from ncgear.dynamics.mesh_force import MeshPlace
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
@@ -24,7 +24,7 @@ from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.extrema import extremes
+from ncgear.numerics.extrema import extremes_on, grid_between
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.plane import Vector
 from ncgear.numerics.units import N_M_PER_N_MM
@@ -311,8 +311,7 @@ def figures(task: Task, train: PairsInSeries, as_large_as: PairsInSeries | None 
         loads["torque_harmonics_n_m"] = N_M_PER_N_MM * DrivingShaft(rigid).fluctuation.rms_above_n_mm(above)
     if place is None:
         return replace(of_motion, **loads)
-    in_mesh = replace(rigid, place=place)
-    force, flanks = tooth_force_n(in_mesh), flank_load_n_mm(in_mesh)
+    force, flanks = tooth_loads(replace(rigid, place=place))
     return replace(of_motion, **loads, tooth_force_n=force, flank_load_n_mm=flanks)
 
 
@@ -355,38 +354,30 @@ def felt(rigid: RigidMachine, speed_fluctuation: float) -> dict[str, Any]:
     }
 
 
-def tooth_force_n(rigid: RigidMachine) -> float:
-    """Largest force between the teeth along the flanks' normal; infinite where flanks carry at 90 degrees or more.
+def tooth_loads(rigid: RigidMachine) -> tuple[float, float]:
+    """Largest force in N between the teeth, and flank load in N mm; infinite where flanks carry at 90 degrees or more.
 
-    All of it counts at the pitch point, where the force of one pair of teeth or of several has the same arm.
+    All of the force counts at the pitch point, where that of one pair of teeth or of several has the same arm.  The
+    flank load is the force times relative curvature of the pitch curves times the centre distance squared.  It does
+    not depend on the gears' size: the contact stress at the pitch point, p^2 = E* F (k1 + k2)/(pi b sin alpha), asks
+    for a face width times centre distance squared in proportion to it.  With the tangent t = r1'/r1 the curvatures are
+    k1 + k2 = (1 + s)^2/(a s sqrt(1 + t^2)).
     """
-    cycle = broken_cycle(rigid)
-    least, most = (end.value for end in range_over(rigid, cycle, lambda loads: loads.mesh_force.size_n))
-    # Beyond 90 degrees the size is negative
-    return inf if least < -IDLE * most else most
-
-
-def flank_load_n_mm(rigid: RigidMachine) -> float:
-    """Largest force between the teeth times relative curvature of the pitch curves times the centre distance squared.
-
-    It does not depend on the gears' size: the contact stress at the pitch point, p^2 = E* F (k1 + k2)/(pi b sin alpha),
-    asks for a face width times centre distance squared in proportion to it.  With the tangent t = r1'/r1 the curvatures
-    are k1 + k2 = (1 + s)^2/(a s sqrt(1 + t^2)).  Infinite where flanks carry at 90 degrees or more.
-    """
-    if tooth_force_n(rigid) == inf:
-        return inf
     place = rigid.place
     assert place is not None
     distance_mm = place.center_distance_mm
 
-    def load(stretch: Stretch, phi1: Array) -> Jet:
+    def loads(stretch: Stretch, phi1: Array) -> tuple[Jet, Jet]:
         force = rigid.on(stretch, phi1).mesh_force.size_n
         slope = stretch.driven_angle(phi1, force.order + 2).differentiated()
         tangent, ratio = tangent_slope(slope, place.mesh), slope.truncated(force.order)
         curved = (1.0 + ratio) * (1.0 + ratio) / (ratio * jet.sqrt(1.0 + tangent * tangent))
-        return force * curved * distance_mm
+        return force, force * curved * distance_mm
 
-    return max(
-        extremes(partial(load, stretch), stretch.start_rad, stretch.end_rad, breaks)[1].value
+    ranges = [
+        extremes_on(partial(loads, stretch), grid_between(stretch.start_rad, stretch.end_rad, breaks))
         for stretch, breaks in broken_cycle(rigid)
-    )
+    ]
+    least, most = min(force[0].value for force, _ in ranges), max(force[1].value for force, _ in ranges)
+    # Beyond 90 degrees the size is negative
+    return (inf, inf) if least < -IDLE * most else (most, max(flank[1].value for _, flank in ranges))
