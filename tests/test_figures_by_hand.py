@@ -241,7 +241,7 @@ def test_the_least_safety_of_each_damage_is_told(monkeypatch: pytest.MonkeyPatch
 @pytest.mark.judges("figures")
 def test_the_load_that_makes_the_largest_force_is_told_and_the_fastest_knock() -> None:
     slow, fast = Made(speed_mm_s=3.0, phi1_rad=0.1), Made(speed_mm_s=9.0, phi1_rad=pi / 2.0)
-    assert strong._knock_figures([slow, fast]) == {
+    assert strong.knock_figures([slow, fast]) == {
         "knocks": 2,
         "knock_max_mm_s": 9.0,
         "knock_max_at_rad": pi / 2.0,
@@ -311,16 +311,18 @@ def test_partings_in_time_are_counted(partings: int, said: str) -> None:
 @pytest.mark.judges("figures")
 @pytest.mark.parametrize(("hand", "towards"), [("right", "growing"), ("left", "falling")])
 def test_a_thrust_pushes_both_gears_to_opposite_sides(hand: str, towards: str) -> None:
-    found = teeth_advice.thrust(Made(helix=Made(thrust_share=0.25, hand=hand)))
+    bare = Made(drivetrain=None)
+    found = teeth_advice.thrust(Made(helix=Made(thrust_share=0.25, hand=hand), design=bare))
     assert found is not None
     assert f"driving gear towards {towards} z" in found.what
-    assert teeth_advice.thrust(Made(helix=Made(thrust_share=0.0, hand=hand))) is None
+    assert teeth_advice.thrust(Made(helix=Made(thrust_share=0.0, hand=hand), design=bare)) is None
 
 
 @pytest.mark.judges("figures")
 def test_gears_of_a_row_that_touch_meet() -> None:
     rooms = [
-        Made(first="driving", second="idler_2", least_mm=least, at_rad=radians(90.0)) for least in (0.1, 0.0, -2.0)
+        Made(first="driving", second="idler_2", least_distance_mm=least, at_rad=radians(90.0))
+        for least in (0.1, 0.0, -2.0)
     ]
     found = teeth_advice.room(Made(whole=Made(row_room=rooms)))
     assert [one.brief for one in found] == ["driving and idler 2 meet at phi1 = 90 deg"] * 2

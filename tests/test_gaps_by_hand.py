@@ -77,20 +77,25 @@ def test_scales_of_a_motion_are_hundredths_of_the_work_of_a_turn(moving: float, 
 
 @pytest.mark.judges("dynamics")
 def test_a_train_under_even_torques_moves_with_even_acceleration(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Torques of 7 and 5 against 4 and 1 at a slope of 2: 3 - 2 * 4 and 4; places of the held pairs to both sides."""
+    """Torques of 7 and 5 against 4 and 1 at a slope of 2: 7 - 4 - 10 + 2 and 4; places of the held pairs to both sides.
+
+    The second pair takes 10 from the shaft between; without friction, these are 5 times the slope.
+    """
     step, held = 1e-3, train_knocks.HELD
     asked: list[tuple[str, float]] = []
 
-    def moments(impact: str, near: Any, ahead: float, speed: float, later_s: float = 0.0) -> tuple[float, float]:
-        asked.append((impact, later_s))
-        return (7.0, 7.5) if impact == "one" else (5.0, 5.5)
+    def moments(impact: None, near: Any, ahead: float, speed: float, later_s: float = 0.0) -> tuple[float, float]:
+        asked.append((near, later_s))
+        return {"first": (6.5, 7.0), "second": (4.5, 5.0), "held": (0.5, 10.0)}[near]
 
     monkeypatch.setattr(train_knocks, "moments_n_mm", moments)
-    pairs = [Made(meshing=Made(impact=name)) for name in ("one", "two")]
+    pairs = [Made(meshing=Made(impact=None))] * 2
     along: Any = Made(slope=np.array([2.0]), driven=np.array([0.5]), asked=np.array([[4.0], [1.0]]))
     state = (0.1, 0.2, 3.0, 4.0)
     owner: Any = Made(between=10.0, pairs=pairs)
-    borne, last, met = train_knocks.KnockingTrain._stepped(owner, state, [[None], [None]], along, slice(0, 1), step)
+    borne, last, met = train_knocks.KnockingTrain._stepped(
+        owner, state, [["first"], ["second"], ["held"]], along, slice(0, 1), step
+    )
     time = held * step
     assert last == pytest.approx(
         (
@@ -100,10 +105,10 @@ def test_a_train_under_even_torques_moves_with_even_acceleration(monkeypatch: py
             4.0 + 4.0 * time,
         )
     )
-    assert (borne.shape, borne[:, 0].tolist(), met) == ((2, held), [7.0, 5.0], ([], []))
-    times = [later for impact, later in asked if impact == "one"]
-    assert times == pytest.approx(step * (np.arange(held + 1) - held / 2.0))
-    assert times == [later for impact, later in asked if impact == "two"]
+    assert (borne.shape, borne[..., 0].tolist(), met) == ((2, 2, held), [[6.5, 4.5], [7.0, 5.0]], ([], []))
+    for near in ("first", "second", "held"):
+        times = [later for one, later in asked if one == near]
+        assert times == pytest.approx(step * (np.arange(held + 1) - held / 2.0))
 
 
 @pytest.mark.judges("figures")

@@ -81,10 +81,10 @@ def test_the_longest_hard_dwells_of_both_ends_leave_time_for_the_ways(dwells: An
 @pytest.mark.judges("figures")
 def test_a_chassis_is_told_what_both_loads_need_together(monkeypatch: pytest.MonkeyPatch) -> None:
     found = Made(retracted_kg=30.0, extended_kg=20.0, worst_kg=Extremum(35.0, pi / 6.0))
-    monkeypatch.setattr(shaking, "chassis_of", lambda asked: None)
     monkeypatch.setattr(shaking, "dynamic_counterweights", lambda chassis, mechanism: found)
     monkeypatch.setattr(shaking, "static_counterweight_kg", lambda *_: 12.0)
     asked = Made(mechanism="b", slider_kg=1.0, weight_kg=2.0, weight_lever_mm=3.0)
+    asked = Made(**vars(asked), support_mm=4.0, counterweight_mm=5.0, tilt_deg=6.0)
     balance = Made(chassis=asked, mechanisms=[Made(name="a"), Made(name="b")])
     told = shaking.chassis_figures(Made(balance=balance, mounted=[Made(mechanism="a"), Made(mechanism="b")]))
     assert (told["total_retracted_kg"], told["total_worst_kg"], told["against_weight_kg"]) == (42.0, 47.0, 12.0)
@@ -266,10 +266,11 @@ def test_teeth_that_bear_next_to_nothing_are_not_rated(
     """20 mm of 3 mm teeth: sixty square millimetres."""
     monkeypatch.setattr(strengthening, "unknown", lambda _: None)
     monkeypatch.setattr(strengthening, "weakest_teeth", lambda *_: ())
-    monkeypatch.setattr(strengthening, "_wanted", lambda *_: None)
-    strength = Made(peak_pair_n=peak_n * 60.0 * strengthening.NOTHING_MPA)
+    strength = Made(peak_pair_n=peak_n * 60.0 * strengthening.NOTHING_MPA, of=lambda _: Made(material=None))
+    usual = Made(wanted_bending_safety=lambda _: 1.4, wanted_contact_safety=lambda _: 1.0)
     drive: Any = Made(
         design=Made(strength=Made(method="estimate")),
+        conditions=usual,
         strength_by=lambda _: strength,
         loading_by=lambda _: "loading",
         gears=Made(face_width_mm=20.0),

@@ -71,6 +71,11 @@ def error_words(stage: BenchStage, error: float) -> str:
     return micrometres(error) if stage.unit == "mm" else f"{to_digits(100.0 * error, 2)} %"
 
 
+def time_words(time_s: float) -> str:
+    """A time in s or ms."""
+    return f"{to_digits(time_s, 3)} s" if time_s >= 1.0 else f"{to_digits(1e3 * time_s, 2)} ms"
+
+
 def bench_answer(stages: Sequence[BenchStage], name: str, then: str) -> Answer:
     """A row for each stage, what dominates, and the stages for which nothing tried was fine enough."""
     recommended = [(stage, stage.recommended) for stage in stages]
@@ -83,7 +88,7 @@ def bench_answer(stages: Sequence[BenchStage], name: str, then: str) -> Answer:
                 setting_words(stage, stage.used),
                 error_words(stage, trial.error),
                 error_words(stage, stage.asked),
-                f"{to_digits(trial.time_s, 3)} s" if trial.time_s >= 1.0 else f"{to_digits(1e3 * trial.time_s, 2)} ms",
+                time_words(trial.time_s),
                 f"{fixed(100.0 * trial.time_s / whole, 0)} %",
             ),
         )

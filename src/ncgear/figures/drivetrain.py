@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict
 from math import degrees
 from typing import Any
 
@@ -66,7 +65,7 @@ def _shaft(found: ShaftResult) -> dict[str, Any]:
     if found.shaft is not None:
         told["estimate_of_shaft"] = {
             "diameter_mm": found.shaft.section.diameter_mm,
-            **asdict(found.shaft.stresses),
+            **vars(found.shaft.stresses),
             "fatigue_safety": known(found.shaft.fatigue),
             "yield_safety": known(found.shaft.yielding),
         }
@@ -107,7 +106,7 @@ def _flywheel(found: DrivetrainResult) -> dict[str, Any]:
         "speed_fluctuation_wanted": found.wanted_fluctuation,
         "inertia_needed_on_driving_shaft_kg_m2": KG_M2 * found.flywheel_kg_mm2,
     }
-    return told if found.disc is None else {**told, "disc": asdict(found.disc)}
+    return told if found.disc is None else {**told, "disc": vars(found.disc)}
 
 
 def _motor(found: MotorResult) -> dict[str, Any]:
