@@ -44,6 +44,9 @@ PLACE = 0.39
 WITHIN = 0.85
 """Share of the rack's flank on which its contacts are marked: beyond it, tip or fillet may have taken the tooth's."""
 
+CORNER_RAD = 0.2
+"""Turn of an outline beyond which the picture of its check marks a corner."""
+
 CHAIN = (0, (8, 2, 1, 2))
 
 DOTTED: dict[str, Any] = {"color": HIGHLIGHT, "linewidth": 1.4, "linestyle": (0, (2, 1.5))}
@@ -273,7 +276,7 @@ def _closed(points: Array) -> Array:
 HEART = {
     "name": "heart",
     "operation": {"speed_rpm": 30},
-    "motion": {"law": "pitch_curve", "svg": {"file": str(DESIGNS / "heart.svg")}},
+    "motion": {"law": "pitch_curve", "svg": {"file": str(DESIGNS / "heart.svg"), "axis_x_mm": 32, "axis_y_mm": 27}},
     "gears": {"teeth": 64, "face_width_mm": 8, "drives": "both_ways", "backlash_mm": 0.05},
     "outline": {"pressure_angle_deg": 65},
 }
@@ -290,6 +293,26 @@ def heart_drawing() -> bytes:
     made = figure(4.0, 3.9, "designs/heart.svg", Margins(left=0.6, right=0.2, top=0.5))
     axes = made.add_subplot()
     axes.fill(*_heart().outline.corners.T, color=HIGHLIGHT, alpha=0.6)
+    axes.set_aspect("equal")
+    dress(axes, "x in mm", "y in mm")
+    return png(made)
+
+
+def heart_check() -> bytes:
+    """The outline with its axis and the corners on which no teeth stand."""
+    outline, axis_mm, _ = ncgear.load(HEART).design.motion.outline_mm()
+    way = np.diff(outline, axis=0, append=outline[:1])
+    heading = np.arctan2(way[:, 1], way[:, 0])
+    turn = (heading - np.roll(heading, 1) + pi) % (2.0 * pi) - pi
+    made = figure(4.0, 3.9, "What the check finds", Margins(left=0.6, right=0.2, top=0.5))
+    axes = made.add_subplot()
+    axes.plot(*np.append(outline, outline[:1], axis=0).T, color=DRIVING)
+    axes.plot(*axis_mm, "+", color=INK, markersize=10)
+    axes.annotate("axis", tuple(axis_mm.tolist()), xytext=(6, 6), textcoords="offset points")
+    for place in np.flatnonzero(np.abs(turn) > CORNER_RAD):
+        axes.plot(*outline[place], "o", color=HIGHLIGHT)
+        told = f"{abs(degrees(turn[place])):.0f}°"
+        axes.annotate(told, tuple(outline[place].tolist()), xytext=(9, -4), textcoords="offset points", color=HIGHLIGHT)
     axes.set_aspect("equal")
     dress(axes, "x in mm", "y in mm")
     return png(made)

@@ -40,6 +40,7 @@ DRAWN: dict[str, Callable[[], bytes]] = {
     "stroke-keys.png": drawings.stroke,
     "method-contact.png": drawings.contact,
     "heart-drawing.png": drawings.heart_drawing,
+    "heart-check.png": drawings.heart_check,
     "heart-fit.png": drawings.heart_fit,
     "heart-gears.png": drawings.heart_gears,
     "pusher-report.png": _report,
