@@ -48,8 +48,8 @@ AHEAD_ON_CLUSTER = 2
 HANDING_S, LONGEST_BUNDLE_S = 0.01, 5.0
 """Seconds of work in a bundle for each process of a cluster, and their upper limit.
 
-Client and scheduler each spend some two milliseconds on a bundle of any length (benchmarks/sweeping.md).  So all
-processes have a new bundle before the first has finished its own; five seconds are enough for two thousand of them."""
+Client and scheduler each spend about a millisecond on a bundle of any length (benchmarks/sweeping.md).  So all
+processes have a new bundle before the first has finished its own; five seconds are enough for three thousand."""
 
 LOOK_S = 1.0
 """Seconds after which the processes of a cluster are counted again."""

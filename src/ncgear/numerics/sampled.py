@@ -79,7 +79,7 @@ class Functions:
         """Largest value at the points, shape (p, n)."""
         return self.values.max(axis=1)
 
-    @property
+    @cached_property
     def size(self) -> Array:
         """Largest magnitude at the points, shape (p, n)."""
         return np.maximum(self.high, -self.low)
@@ -141,9 +141,21 @@ def turning_points(values: Array) -> tuple[IndexArray, Array, Array]:
     )
 
 
-def sums_at(values: Array, share: Array) -> Array:
-    """Each function (shape (count, r)) at its own place in [0, 1] (shape (r,))."""
-    return _sums(_coefficients(len(values)) @ values, share)
+def values_at(values: Array, share: Array) -> Array:
+    """Functions (shape (count, k), or with more axes between), each at its own place in [0, 1] (shape (k,)).
+
+    By the barycentric formula, whose weights for these points alternate, halved at the ends (J.-P. Berrut, L. N.
+    Trefethen, "Barycentric Lagrange Interpolation", SIAM Review 46 (2004)).
+    """
+    count = len(values)
+    weights = np.where(np.arange(count) % 2, -1.0, 1.0)
+    weights[[0, -1]] /= 2.0
+    gaps = share - shares(count)[:, None]
+    # At a point itself its own value counts
+    gaps[gaps == 0.0] = np.finfo(float).tiny
+    parts = weights[:, None] / gaps
+    parts /= parts.sum(axis=0)
+    return np.asarray(np.einsum("ik,i...k->...k", parts, values), dtype=np.float64)
 
 
 def _largest(values: Array, owner: IndexArray, samples: Array) -> Array:
@@ -174,27 +186,21 @@ def _turned(values: Array, slopes: Array, row: IndexArray, place: IndexArray) ->
     """
     points = shares(len(values))
     low, high, before, after = points[place], points[place + 1], slopes[place, row], slopes[place + 1, row]
-    series = np.stack([matrix @ values for matrix in _series(len(values))], axis=1)
+    known = np.stack([values, slopes[:, row], _bends(len(values)) @ values], axis=1)
     at = low + (high - low) * before / (before - after)
     for _ in range(NEWTON_STEPS):
-        value, slope, bend = _sums(series, at)
+        value, slope, bend = values_at(known, at)
         last, at = at, np.clip(at - slope / bend, low, high)
         top = value + (at - last) * (slope + (at - last) * bend / 2.0)
     rest = np.nonzero(~(np.abs(at - last) <= LAST_STEP))[0]
     if rest.size:
         # Where rounding hides the change of sign, the slope at one of both points is itself rounding error.
-        before, after = (_sums(series[:, 1, rest], ends[rest]) for ends in (low, high))
         at[rest] = low[rest]
-        found = rest[before * after < 0.0]
-        inner = series[:, 1, found]
-        at[found] = zeros_between(lambda share: _sums(inner, share), low[found], high[found])
-        top[rest] = _sums(series[:, 0, rest], at[rest])
+        found = rest[before[rest] * after[rest] < 0.0]
+        inner = known[:, 1, found]
+        at[found] = zeros_between(lambda share: values_at(inner, share), low[found], high[found])
+        top[rest] = values_at(known[:, 0, rest], at[rest])
     return at, top
-
-
-def _sums(coefficients: Array, share: Array) -> Array:
-    """Chebyshev series (shape (degree + 1, k), or with more axes between), each at its own argument in [0, 1]."""
-    return np.asarray(chebyshev.chebval(2.0 * share - 1.0, coefficients, tensor=False), dtype=np.float64)
 
 
 @cache
@@ -203,12 +209,18 @@ def _coefficients(count: int) -> Array:
 
 
 @cache
-def _series(count: int) -> tuple[Array, Array, Array]:
-    """Matrices from values at the points to the coefficients of the function, of its slope and of its bend."""
-    slope = np.vstack([2.0 * chebyshev.chebder(np.eye(count), axis=0), np.zeros(count)])
-    return _coefficients(count), slope @ _coefficients(count), slope @ slope @ _coefficients(count)
+def _slopes(count: int) -> Array:
+    """Matrix from values at the points to the slopes there."""
+    return chebyshev.chebvander(2.0 * shares(count) - 1.0, count - 2) @ _derived(count)
 
 
 @cache
-def _slopes(count: int) -> Array:
-    return chebyshev.chebvander(2.0 * shares(count) - 1.0, count - 1) @ _series(count)[1]
+def _bends(count: int) -> Array:
+    """Matrix from values at the points to the second derivatives there."""
+    bends = 2.0 * chebyshev.chebder(_derived(count), axis=0)
+    return chebyshev.chebvander(2.0 * shares(count) - 1.0, count - 3) @ bends
+
+
+def _derived(count: int) -> Array:
+    """Matrix from values at the points to the coefficients of the slope."""
+    return np.asarray(2.0 * chebyshev.chebder(_coefficients(count), axis=0), dtype=np.float64)

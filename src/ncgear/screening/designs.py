@@ -23,24 +23,24 @@ from ncgear.screening.samples import Fineness, laws_of, refused_at_once
 
 MADE = "made"
 
-FINENESSES = (
+STROKES = (
     Fineness(29, (0.0, 0.2, 0.8, 1.0), (0.0, 0.4, 0.6, 0.88, 1.0)),
-    Fineness(33, (0.0, 0.1, 0.3, 0.75, 1.0), (0.0, 0.2, 0.4, 0.5, 0.6, 0.7, 0.85, 0.95, 1.0)),
+    Fineness(33, (0.0, 0.1, 0.3, 0.75, 1.0), (0.0, 0.2, 0.4, 0.5, 0.6, 0.7, 0.85, 0.95, 1.0), 3e-7),
     Fineness(
         33,
         (0.0, 0.04, 0.12, 0.25, 0.45, 0.75, 1.0),
         (0.0, 0.15, 0.3, 0.4, 0.48, 0.54, 0.6, 0.66, 0.75, 0.87, 0.96, 1.0),
+        1e-3,
     ),
-    Fineness(49, (0.0, 0.1, 0.3, 0.75, 1.0), None),
+    Fineness(49, (0.0, 0.1, 0.3, 0.75, 1.0), None, 3e-2),
     Fineness(65, None, None),
     Fineness(97, None, None),
-    Fineness(65),
-    Fineness(129),
-    Fineness(257),
-    Fineness(513),
 )
-"""Tried in order until a law is resolved: first few points, on pieces that are short where strokes bend most, which is
-enough for four in five designs at the border; harmonics begin with even pieces."""
+"""Tried in order until a stroke is resolved: first few points, on pieces that are short where strokes bend most, which
+is enough for four in five designs at the border."""
+
+HARMONICS = tuple(Fineness(count) for count in (65, 129, 257, 513))
+"""Of harmonic laws."""
 
 TOGETHER = 1 << 16
 """Samples computed at once: with fewer, Python's share of each step counts (benchmarks/screening.md); with more, a
@@ -149,26 +149,28 @@ class _Table:
 
 
 def computed_together(
-    batch: Batch, rows: IndexArray, table: _Table, finenesses: Sequence[Fineness] = FINENESSES
+    batch: Batch, rows: IndexArray, table: _Table, finenesses: Sequence[Fineness] | None = None
 ) -> None:
     """Store the sure results of a batch, by the rows' numbers (shape (n,)).
 
-    ``finenesses`` are tried one after the other, each on all designs that the earlier ones do not resolve.
+    ``finenesses`` are tried one after the other, each on all designs that the earlier ones do not resolve, but not on
+    designs that were too far from resolved.
     """
     refused = refused_at_once(batch)
     for place, error in refused.items():
         table.refuse(int(rows[place]), error)
     places, laws = np.setdiff1d(np.arange(len(batch)), list(refused)).astype(int), laws_of(batch)
-    for fineness in finenesses:
-        if not places.size:
-            return
-        if fineness.for_strokes and not batch.kind.has_return:
+    missed = np.zeros(len(batch))
+    for fineness in finenesses or (STROKES if batch.kind.has_return else HARMONICS):
+        tried = places[missed[places] <= fineness.most_missed]
+        if not tried.size:
             continue
         try:
-            found = found_of(batch, laws, places, fineness, TOGETHER)
+            found = found_of(batch, laws, tried, fineness, TOGETHER)
         except DesignError:
             # A resistance that is no smooth function: each design is refused alone.
             return
+        missed[tried] = np.maximum(missed[tried], found.missed)
         table.make(rows[found.made], found.figures)
         for place, error in found.refused.items():
             table.refuse(int(rows[place]), error)

@@ -21,7 +21,7 @@ from ncgear.kinematics.check import OF_MASSES, peak_figures
 from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array, IndexArray, Mask, chosen
 from ncgear.numerics.jet import Jet
-from ncgear.numerics.sampled import Functions, Sought, extremes, integrated, integration, sums_at, turning_points
+from ncgear.numerics.sampled import Functions, Sought, extremes, integrated, integration, turning_points, values_at
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.pitch.pair import AS_STEEP, CONSISTENT, MOST_TEETH, STRAIGHT, refuse_many_teeth, solved_size
 from ncgear.project.drive import Drive
@@ -86,14 +86,17 @@ BOTH = 1.0, -1.0
 """Signs for the magnitude of a value."""
 
 
-def _died_away(quantities: Iterable[Functions], there: Mask) -> Mask:
-    """Whether the last coefficients of all quantities of each law have died away on the existing pieces."""
-    resolved = np.ones(there.shape[1], dtype=bool)
+def _missed(quantities: Iterable[Functions], there: Mask) -> Array:
+    """The largest last coefficient of any quantity over its size, of each law on the existing pieces, shape (n,).
+
+    Infinite where a value is not finite.
+    """
+    missed = np.zeros(there.shape[1])
     for functions in quantities:
         counted = there[: len(functions.values)]
-        size = np.where(counted, functions.size, 0.0).max(axis=0)
-        resolved &= (((functions.tails <= RESOLVED * size) & np.isfinite(size)) | ~counted).all(axis=0)
-    return resolved
+        last, size = (np.where(counted, one, 0.0).max(axis=0) for one in (functions.tails, functions.size))
+        missed = np.maximum(missed, np.where(last > 0.0, last / size, 0.0))
+    return np.where(np.isnan(missed), np.inf, missed)
 
 
 def _closes(samples: Samples, ratio: Functions) -> Mask:
@@ -166,8 +169,12 @@ def figure_names(design: Design) -> tuple[str, ...]:
 
 @dataclass(frozen=True, eq=False)
 class BatchResults:
-    """The sure results of a batch: rows of the makeable designs and their figures, shape (m,) each, and refusals."""
+    """The sure results of a batch: rows of the makeable designs and their figures, shape (m,) each, and refusals.
 
+    ``missed`` tells of all designs (shape (n,)) how far from resolved their laws are, as a share of their size.
+    """
+
+    missed: Array
     made: IndexArray
     figures: dict[str, Array]
     refused: dict[int, DesignError]
@@ -194,11 +201,10 @@ def found_of(batch: Batch, laws: Laws, rows: IndexArray, fineness: Fineness, tog
         rolling, refused = _rolling(batch.kept(rows[known]), {name: one[known] for name, one in measured.items()})
         refused = {int(rows[known[place]]): error for place, error in refused.items()}
         made[known[~rolling]] = False
-    if not made.any():
-        return BatchResults(rows[made], {}, refused)
-    return BatchResults(
-        rows[made], _figures(batch.kept(rows[made]), {key: one[made] for key, one in measured.items()}), refused
-    )
+    figures = {}
+    if made.any():
+        figures = _figures(batch.kept(rows[made]), {key: one[made] for key, one in measured.items()})
+    return BatchResults(measured["missed"], rows[made], figures, refused)
 
 
 def _steeper_deg(batch: Batch) -> Array:
@@ -222,18 +228,19 @@ def _measured(found: Sampled, batch: Batch, steeper_deg: Array, speed_rad_s: Arr
     """
     samples, displacement, resistance = found.samples, found.displacement, batch.kind.resistance
     curves, there = curves_of(samples), samples.there
-    drawn = _closes(samples, curves.ratio)
-    drawn &= _died_away((curves.ratio, curves.tangent, curves.rates, Functions(samples.turning)), there)
+    missed = _missed((curves.ratio, curves.tangent, curves.rates, Functions(samples.turning)), there)
+    drawn = _closes(samples, curves.ratio) & (missed <= RESOLVED)
     force_n = resistance.fitted_n(Jet(displacement.reshape(1, -1))).value.reshape(displacement.shape)
     power = Functions(force_n * found.velocity[: len(displacement)])
     velocity, acceleration = Functions(found.velocity), Functions(found.acceleration)
-    resolved = drawn & _died_away((curves.driving, curves.driven, velocity, acceleration, power), there)
-    torque = None
+    followed, torque = [curves.driving, curves.driven, velocity, acceleration, power], None
     if batch.crank is not None:
         asked = batch.crank.torque_n_mm(found.driven_rad, samples.slope, samples.first, speed_rad_s)
         asked[: len(displacement)] += power.values if resistance.keep_negative else np.maximum(power.values, 0.0)
         torque = Functions(asked)
-        resolved &= _died_away((torque,), there)
+        followed.append(torque)
+    missed = np.maximum(missed, _missed(followed, there))
+    resolved = drawn & (missed <= RESOLVED)
     resolved &= _force_is_seen(resistance, displacement, found.stroke_mm, resolved)
     drawn_there, there = there & drawn, there & resolved
     working = there & (np.arange(len(there)) < len(displacement))[:, None]
@@ -262,6 +269,7 @@ def _measured(found: Sampled, batch: Batch, steeper_deg: Array, speed_rad_s: Arr
         **most,
         **driven,
         "steepest_rad": steepest_rad,
+        "missed": missed,
         "drawn": drawn.astype(float),
         "resolved": resolved.astype(float),
         "length": integrated(curves.rates.values),
@@ -404,7 +412,7 @@ def _steepest(samples: Samples, lobes: Lobes) -> Array:
     np.maximum.at(largest, law[row], values)
     steepest = values >= largest[law[row]] * (1.0 - AS_STEEP)
     row, share = row[steepest], share[steepest]
-    at = starts[row] + sums_at(integration(count) @ widths[:, row], share)
+    at = starts[row] + values_at(integration(count) @ widths[:, row], share)
     # The end of a period is the beginning of the next one.
     period = lobes.driving_period_rad
     at = np.where(period - at % period > ROUNDED_RAD, at % period, 0.0)

@@ -12,7 +12,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
-from math import log, pi
+from math import inf, log, pi
 
 import numpy as np
 
@@ -125,17 +125,13 @@ class Fineness:
     """Fineness of samples: points of a piece, and the shares at which a stroke's approach and return are cut.
 
     Shares of None cut towards the place of the extreme ratio: there the driven gear's speed may have a peak that fixed
-    pieces do not resolve.
+    pieces do not resolve.  It is not tried on laws that a coarser one has missed by more than ``most_missed``.
     """
 
     count: int
     approach: tuple[float, ...] | None = WHOLE
     returned: tuple[float, ...] | None = THIRDS
-
-    @property
-    def for_strokes(self) -> bool:
-        """Whether only its cuts of three-segment strokes distinguish it from a fineness with as many points."""
-        return self.approach != WHOLE or self.returned != THIRDS
+    most_missed: float = inf
 
     def samples(self, kind: BatchKind) -> int:
         """Number of samples of a law."""
