@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import cos, pi, sqrt
-from typing import TYPE_CHECKING
+from math import pi, sqrt
 
 import numpy as np
 
@@ -13,7 +12,7 @@ from ncgear.contact.placement import BOTH_SIDES
 from ncgear.design.keys.masses import Simulation
 from ncgear.dynamics.crank_load import CrankLoad, crank_load
 from ncgear.dynamics.flank_changes import BorneTorque, borne_torque
-from ncgear.dynamics.gaps import LEAST_IN_MODULES, LEVER, PER_TOOTH, STIFFNESS, WITHIN_IN_MODULES, Gaps, gaps_of
+from ncgear.dynamics.gaps import LEAST_IN_MODULES, PER_TOOTH, WITHIN_IN_MODULES, Gaps, gaps_of
 from ncgear.dynamics.loaded_machine import RigidMachine
 from ncgear.dynamics.meshing import Friction, Impact, Meshing
 from ncgear.dynamics.motion_in_time import DriveLine, EvenDrive, Motor, law_table
@@ -24,17 +23,12 @@ from ncgear.kinematics.motion import stretches
 from ncgear.mechanisms.forces import Masses
 from ncgear.numerics.arrays import Array, distinct
 from ncgear.numerics.bounds import shown_above, shown_below
-from ncgear.numerics.periodic_table import PeriodicTable
 from ncgear.numerics.units import N_PER_KG_MM_S2, RAD_S_PER_RPM
 from ncgear.pitch.pair import PitchPair
 from ncgear.project.tooth_load import ToothLoad
 from ncgear.strength.material import Material
 from ncgear.strength.stiffness import ISO_N_MM_UM, STEEL_MPA
-from ncgear.strength.without_teeth import PUSHING_AND_BACK, SharedLoad
 from ncgear.teeth.gear import ToothedPair
-
-if TYPE_CHECKING:
-    from ncgear.project.drive import Drive
 
 SAMPLES = 720
 """Number of angles of a turn over which inertias are averaged."""
@@ -215,35 +209,3 @@ def drive_line_of(given: Simulation, masses: Masses, speed_rad_s: float) -> Driv
         )
     inertia = N_PER_KG_MM_S2 * masses.driving_shaft_kg_mm2
     return Motor(motor.no_load_speed_rpm * RAD_S_PER_RPM, 1000.0 * motor.stall_torque_n_m, inertia)
-
-
-PLACES = 720
-"""Places of a cycle between which levers and play are interpolated linearly."""
-
-
-def rough_meshing(drive: Drive, load: ToothLoad, sides: Sequence[SharedLoad]) -> Meshing:
-    """The teeth of a pair from its pitch curves, with the mean stiffness of the pairs that share a load."""
-    transmission, play, gears = drive.pair.transmission, drive.play, drive.running
-    phi1 = np.linspace(0.0, transmission.cycle_rad, PLACES + 1)
-    levers = [1.0 / load.mesh_force(phi1, np.full(phi1.shape, urge)).size_n.value for urge in PUSHING_AND_BACK]
-    thinner_mm = -2.0 * play.thicker_mm * cos(drive.rack.angles_rad[1])
-    known = {float(one.load.urge[0]): _mean_stiffness(one) * gears.face_width_mm for one in sides}
-    values = np.zeros((phi1.size, 2, STIFFNESS + 1))
-    for slot, side in enumerate(PUSHING_AND_BACK):
-        values[:, slot, LEVER] = levers[slot]
-        values[:, slot, STIFFNESS] = known.get(side, max(known.values()))
-    values[:, 1, 0] = play.driven_rad + thinner_mm / levers[1]
-    rising = np.diff(values, axis=0) / np.diff(phi1)[:, None, None]
-    urge = np.broadcast_to(PUSHING_AND_BACK, (PLACES, 2))
-    none = np.zeros((PLACES, 2, 2), dtype=int)
-    table = PeriodicTable(phi1, np.stack([rising, values[:-1]]))
-    gaps = Gaps(table, urge, none, np.full(PLACES, np.inf), np.zeros(urge.shape[1], dtype=int))
-    given = Simulation()
-    impact = Impact(given.exponent, 0.0, gears.module_mm / FULLY_DAMPED)
-    return Meshing(law_table(transmission), gaps, impact, friction_of(given))
-
-
-def _mean_stiffness(side: SharedLoad) -> float:
-    """The load of all pairs over their deflection, in N/mm per mm of width, weighted by the load."""
-    line = side.line_n_mm.sum(axis=0)
-    return float((line**2).sum() / (line**2 / side.stiffness_n_mm2).sum())

@@ -179,19 +179,29 @@ N_MM_PER_N_M = 1000.0
 
 
 def _resistance_of(given: StrokeForce | TurningLoad | None, key: str) -> Resistance:
-    """The resistance of one stroke, whose keys are below ``key``: in N over mm, or a torque in N mm over rad."""
+    """The resistance of one stroke, whose keys are below ``key``."""
     if given is None:
         return NO_RESISTANCE
-    keep, turning = given.where_negative == "keep", isinstance(given, TurningLoad)
-    times = N_MM_PER_N_M if turning else 1.0
-    polynomial, table, expression = (getattr(given, form) for form in given.FORMS)
-    if table is not None:
-        places, loads = (getattr(table, column) or () for column in table.COLUMNS)
-        places = tuple(np.radians(places).tolist()) if turning else places
-        return TableResistance(places, tuple(times * one for one in loads), keep)
-    if expression is not None:
-        return FormulaResistance(expression, keep, f"{key}.{given.FORMS[-1]}", turning=turning)
-    return PolynomialResistance(tuple(times * one for one in polynomial), keep) if polynomial else NO_RESISTANCE
+    if isinstance(given, TurningLoad):
+        return _torque_of(given, key)
+    keep = given.where_negative == "keep"
+    if given.table is not None:
+        return TableResistance(given.table.displacement_mm or (), given.table.force_n or (), keep)
+    if given.expression_n is not None:
+        return FormulaResistance(given.expression_n, keep, f"{key}.expression_n")
+    return PolynomialResistance(given.polynomial_n, keep) if given.polynomial_n else NO_RESISTANCE
+
+
+def _torque_of(given: TurningLoad, key: str) -> Resistance:
+    """The torque in N mm over the output's angle in rad."""
+    keep = given.where_negative == "keep"
+    if given.table is not None:
+        angles = tuple(np.radians(given.table.angle_deg or ()).tolist())
+        return TableResistance(angles, tuple(N_MM_PER_N_M * one for one in given.table.torque_n_m or ()), keep)
+    if given.expression_n_m is not None:
+        return FormulaResistance(given.expression_n_m, keep, f"{key}.expression_n_m", turning=True)
+    coefficients = tuple(N_MM_PER_N_M * one for one in given.polynomial_n_m or ())
+    return PolynomialResistance(coefficients, keep) if coefficients else NO_RESISTANCE
 
 
 def keeps_even_speed(design: Design) -> bool:

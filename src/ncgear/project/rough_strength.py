@@ -115,7 +115,8 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
     asked, borne = asked_of(drive), None
     if asked.knocks_are_judged:
         # Checks of machines without masses load no module of contact.
-        from ncgear.project.forces import borne_by, rough_meshing
+        from ncgear.project.forces import borne_by
+        from ncgear.project.rough_meshing import rough_meshing
 
         borne = borne_by(asked, rough_meshing(drive, asked, sides))
         load = rolled_load(drive, borne.at)

@@ -17,7 +17,7 @@ from ncgear.project.drive import Drive
 from ncgear.project.tolerance_limits import TURNING, Process, backlash_key, left_of_backlash, limits_of, tolerances_of
 from ncgear.solids.helical.sections import said_of_section
 from ncgear.teeth.gear import ToothedPair
-from ncgear.tolerances.assemblies import Assemblies, Lot, lot_of_pairs
+from ncgear.tolerances.assemblies import Assemblies, AssembliesTask, Lot, lot_of_pairs
 from ncgear.tolerances.drawn import DeviationLimits, reachable
 from ncgear.tolerances.mesh import Face, LinearMesh, mesh_of, straight_face
 from ncgear.tolerances.outlines import exact_of
@@ -114,20 +114,7 @@ def tolerated(drive: Drive, samples: int, seed: int, workers: Workers, on_done: 
     index_samples = max(samples // 8, 64)
     indices = sobol_indices_of(lot, assemblies_of(lot, sobol_tasks(lot, index_samples, seed), workers, on_done))
     needed = _needed(drive, given, lot, found, samples, seed, workers, on_done)
-    pairs = []
-    for number, (pair, own) in enumerate(zip(drive.by_stage, lot.pairs, strict=True)):
-        module, both = pair.pitch.size.module_mm, pair.gears.drives == "both_ways"
-        coarse, fine = (share * module for share in FINE_IN_MODULES)
-        face, at = face_of(pair, (coarse, fine)), placed(pair.pitch, PER_TOOTH)
-        play_mm = float(nominal.pairs[number].largest_play_mm[0])
-        study = pair_study(
-            *(lot, number, found.pairs[number], nominal.pairs[number], tasks),
-            stage=pair.stage,
-            knocking_mm=given.largest_play_mm or max(KNOCKING[0] * play_mm, KNOCKING[1] * module),
-            finer=_mesh(pair, own.limits, finer_by(own) * PER_TOOTH),
-            exact=exact_of(pair.pitch, face, at, own.mesh, CHECKED_POSITIONS, both_ways=both),
-        )
-        pairs.append(study)
+    pairs = tuple(_pair(pair, number, given, lot, found, nominal, tasks) for number, pair in enumerate(drive.by_stage))
     turning = [(pair.assemblies, pair.knocking_mm) for pair in pairs if pair.knock is not None]
     return Tolerated(
         drive=drive,
@@ -136,13 +123,40 @@ def tolerated(drive: Drive, samples: int, seed: int, workers: Workers, on_done: 
         seed=seed,
         assemblies=found,
         nominal=nominal,
-        pairs=tuple(pairs),
+        pairs=pairs,
         jam=jammed(found.pairs),
         knock=knocking(*zip(*turning, strict=True)) if turning else None,
         loaded=_is_loaded(drive),
         indices=indices,
         index_samples=index_samples,
         needed=needed,
+    )
+
+
+def _pair(
+    drive: Drive,
+    number: int,
+    given: AssemblyTolerances,
+    lot: Lot,
+    found: Assemblies,
+    nominal: Assemblies,
+    tasks: list[AssembliesTask],
+) -> PairStudy:
+    """The behaviour of the pair ``number`` of a lot in the assemblies found; its drive is given."""
+    pair, module = lot.pairs[number], drive.pitch.size.module_mm
+    play_mm = float(nominal.pairs[number].largest_play_mm[0])
+    coarse, fine = (share * module for share in FINE_IN_MODULES)
+    face, both = face_of(drive, (coarse, fine)), drive.gears.drives == "both_ways"
+    return pair_study(
+        lot,
+        number,
+        found.pairs[number],
+        nominal.pairs[number],
+        tasks,
+        stage=drive.stage,
+        knocking_mm=given.largest_play_mm or max(KNOCKING[0] * play_mm, KNOCKING[1] * module),
+        finer=_mesh(drive, pair.limits, finer_by(pair) * PER_TOOTH),
+        exact=exact_of(drive.pitch, face, placed(drive.pitch, PER_TOOTH), pair.mesh, CHECKED_POSITIONS, both_ways=both),
     )
 
 

@@ -168,31 +168,28 @@ def crank_pin(drive: Drive) -> list[Advice | NotJudged]:
     unknown = [
         gear for gear, _, radius in near if radius is None and not (gear is Gear.DRIVEN and drive.pitch.driven.is_ring)
     ]
-    wide = f"{drawn(2.0 * pin, 'mm')} mm"
-
-    def touched(apart_mm: float, where: str, what: str, cure: Remedy, beside: str = "") -> Advice:
-        passes = f"the crank pin passes {drawn(round(apart_mm, 2), 'mm')} mm from the {where}"
-        touches = f"a pin of {wide} diameter touches it{beside}"
-        return Advice(Kind.CRANK_PIN, passes, touches, (cure,), brief=f"a {wide} crank pin touches the {what}")
-
     return [
         *(
-            touched(
-                passing[gear],
-                f"{gear.value} gear's axis, about which there is a {part} of {drawn(2.0 * radius, 'mm')} mm diameter",
-                f"{gear.value} gear's {part}",
-                _below(drive, NO_MEETING) if gear is Gear.DRIVING else _beside_own_shaft(drive, part, radius, pin),
-                ", where both are on the same side of the gears",
+            Advice(
+                Kind.CRANK_PIN,
+                f"the crank pin passes {drawn(round(passing[gear], 2), 'mm')} mm from the {gear.value} gear's axis, "
+                f"about which there is a {part} of {drawn(2.0 * radius, 'mm')} mm diameter",
+                f"a pin of {drawn(2.0 * pin, 'mm')} mm diameter touches it, where both are on the same side of the "
+                "gears",
+                (_below(drive, NO_MEETING) if gear is Gear.DRIVING else _beside_own_shaft(drive, part, radius, pin),),
+                brief=f"a {drawn(2.0 * pin, 'mm')} mm crank pin touches the {gear.value} gear's {part}",
             )
             for gear, part, radius in near
             if radius is not None and passing[gear] < radius + pin
         ),
         *(
-            touched(
-                one.distance_mm,
-                f"middle of the {one.standing.name}",
-                one.standing.name,
-                _thinner("crank pin", one.distance_mm - (one.standing.radius_mm or 0.0)),
+            Advice(
+                Kind.CRANK_PIN,
+                f"the crank pin passes {drawn(round(one.distance_mm, 2), 'mm')} mm from the middle of the "
+                f"{one.standing.name}",
+                f"a pin of {drawn(2.0 * pin, 'mm')} mm diameter touches it",
+                (_thinner("crank pin", one.distance_mm - (one.standing.radius_mm or 0.0)),),
+                brief=f"a {drawn(2.0 * pin, 'mm')} mm crank pin touches the {one.standing.name}",
             )
             for one in drive.passings
             if one.part == CRANK_PIN and not one.standing.about_driving_axis
