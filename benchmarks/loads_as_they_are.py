@@ -7,7 +7,6 @@ is not that of a design: it is twice the largest torque of its driving gear.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from copy import copy
 from dataclasses import replace
 from math import inf
 from pathlib import Path
@@ -67,15 +66,14 @@ What the flanks have under the same loads:
 def cases(drive: Drive) -> Iterator[tuple[str, dict[Damage, float]]]:
     """The loads one after the other, and the least safety against each damage under all up to that one."""
     judged = drive.judged_teeth("estimate")
-    loading, conditions = judged.loading, drive.conditions
+    loading, conditions, load = judged.loading, drive.conditions, judged.strength.load
     still = replace(loading.still or loading, jammed=None)
     knocking, calm = replace(loading, jammed=None), replace(conditions, dynamic_factor=1.0)
     even = FaceLoading("given", 1.0)
 
     def under(loads: Loading, uneven: FaceLoading, with_what: Conditions) -> dict[Damage, float]:
-        other = copy(drive)
-        vars(other).update(conditions=with_what, face_loading=uneven)
-        return least(judged_teeth("estimate", other, judged.methods, loads).strength)
+        service = with_what, drive.running, load, uneven, drive.vibration
+        return least(judged_teeth("estimate", drive.gears, judged.methods, loads, *service).strength)
 
     first = under(still, even, calm)
     film = min(drive.surfaces_by("estimate").pitting_factor)

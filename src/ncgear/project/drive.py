@@ -222,10 +222,10 @@ class Drive(Geared):
         if self.design.drivetrain is None:
             raise WrongInput("missing; it tells bearings, shafts, motor and more around the gears", key="drivetrain")
         self.require_pairs(1)
-        _ = self.rigid, self.knocking, self.jam
+        rigid, knocking, jam = self.rigid, self.knocking, self.jam
         touching = None if self.helix else TouchingTeeth(self.teeth, self.pitch, self.designed_contact)
         with self.stopwatch("drivetrain"):
-            return drivetrain_of(self, touching)
+            return drivetrain_of(self.design, rigid, touching, knocking, jam)
 
     @computed
     def jam(self) -> Jam | None:
@@ -529,7 +529,8 @@ class Drive(Geared):
 
         judged = self.judged_teeth(method)
         with self.stopwatch("film and wear"):
-            return surfaces_of_teeth(self, judged)
+            with_all = self.gears, self.conditions, self.running, self.face_loading, self.vibration
+            return surfaces_of_teeth(judged, *with_all)
 
     @computed_by
     def told_face_load_by(self, method: Method) -> ToldFaceLoad | None:
@@ -572,11 +573,13 @@ class Drive(Geared):
         """As ``judged_teeth``, of a pair whose gears mesh with each other only."""
         from ncgear.project.tooth_strength import judged_teeth, methods_of, require_known_rims
 
-        _, sections = self.tooth_load, self.face_sections
+        load, sections = self.tooth_load.load, self.face_sections
         with self.stopwatch("strength"):
             require_known_rims(self.rims, self.gears)
             methods = methods_of(method, sections, self.materials, self.rims)
-            return judged_teeth(method, self, methods, self.loading(methods, self.materials))
+            loading = self.loading(methods, self.materials)
+            running, uneven, shaken = self.running, self.face_loading, self.vibration
+            return judged_teeth(method, self.gears, methods, loading, self.conditions, running, load, uneven, shaken)
 
     @computed
     def face_loading(self) -> FaceLoading:

@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import field, replace
 from functools import partial
 from math import inf
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -43,15 +42,14 @@ from ncgear.drivetrain.shafts import (
     shaft_safety,
 )
 from ncgear.drivetrain.speed import FlywheelDisc, disc
+from ncgear.dynamics.knocking import KnockingMachine
+from ncgear.dynamics.rigid import Rigid
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.pitch.shape import Gear
 from ncgear.project.face_load import bearings_of
 from ncgear.project.motor import MotorResult, demand_of, motor_of
-
-if TYPE_CHECKING:
-    from ncgear.project.drive import Drive
 
 N_MM_PER_N_M = 1000.0
 
@@ -104,14 +102,19 @@ class DrivetrainResult:
     pto: PowerTakeOffResult | None
 
 
-def drivetrain_of(drive: Drive, touching: TouchingTeeth | None) -> DrivetrainResult:
+def drivetrain_of(
+    design: Design,
+    rigid: Rigid,
+    touching: TouchingTeeth | None,
+    knocking: KnockingMachine | None,
+    jam: Jam | None,
+) -> DrivetrainResult:
     """The drivetrain of a design that has the section; ``touching`` is None where the teeth are helical.
 
-    Shafts, keys and bearings carry the loads of the law, or of knocks where these are worse, and besides them the jam.
-    The motor does not feel the knocks: its shaft turns evenly.  Raises WrongInput where a part needs a value of the
-    gears that is missing.
+    Shafts, keys and bearings carry the loads of the law, or of ``knocking`` where these are worse, and besides them the
+    ``jam``.  The motor does not feel the knocks: its shaft turns evenly.  Raises WrongInput where a part needs a value
+    of the gears that is missing.
     """
-    design, rigid, knocking, jam = drive.design, drive.rigid, drive.knocking, drive.jam
     given, masses = design.drivetrain, design.masses
     assert given is not None
     assert masses is not None

@@ -32,11 +32,12 @@ from ncgear.strength.surfaces import Surfaces, surfaces_of
 from ncgear.teeth.gear import ToothedGear
 
 if TYPE_CHECKING:
-    from ncgear.project.drive import Drive
+    from ncgear.project.face_load import FaceLoading
     from ncgear.solids.plan.body import BodyPlan
-    from ncgear.strength.answer import Strength
+    from ncgear.strength.answer import LoadBy, Strength
     from ncgear.strength.loading import Loading
     from ncgear.strength.method import ToothMethod
+    from ncgear.strength.vibration import Vibration
 
 Method = Literal["estimate", "elements"]
 
@@ -56,14 +57,23 @@ class JudgedTeeth:
     jammed: Strength | None = None
 
 
-def judged_teeth(method: Method, drive: Drive, methods: tuple[InSections, InSections], loading: Loading) -> JudgedTeeth:
-    """The stresses of a pair's teeth under their loads.
+def judged_teeth(
+    method: Method,
+    gears: Gears,
+    methods: tuple[InSections, InSections],
+    loading: Loading,
+    conditions: Conditions,
+    running: Running,
+    load: LoadBy,
+    face_loading: FaceLoading,
+    vibration: Vibration,
+) -> JudgedTeeth:
+    """The stresses of teeth under their loads.
 
     The power lost between the teeth, which follows from their loads, warms plastics.  The stiffness of the materials at
     the ambient temperature shares the loads.
     """
-    conditions, running, load = drive.conditions, drive.running, drive.tooth_load.load
-    choices, face_loading, vibration = choices_of(drive.gears), drive.face_loading, drive.vibration
+    choices = choices_of(gears)
     warm = temperatures_of(choices, conditions, running, _lost_w(choices, conditions, loading))
     materials = materials_of(choices, conditions, running, warm)
     cycle_rad = loading.cycle_rad
@@ -100,13 +110,19 @@ def judged_in_row(
     return replace(judged, strength=strength_of(*asked, elsewhere_mpa))
 
 
-def surfaces_of_teeth(drive: Drive, judged: JudgedTeeth) -> Surfaces:
-    """Film, heat and wear of the flanks of a pair's judged teeth, without jams, which are rare."""
-    conditions, running, face_loading, vibration = drive.conditions, drive.running, drive.face_loading, drive.vibration
+def surfaces_of_teeth(
+    judged: JudgedTeeth,
+    gears: Gears,
+    conditions: Conditions,
+    running: Running,
+    face_loading: FaceLoading,
+    vibration: Vibration,
+) -> Surfaces:
+    """Film, heat and wear of the flanks of judged teeth, without jams, which are rare."""
     materials = judged.strength.driving.material, judged.strength.driven.material
     mesh, followed = mesh_stiffness(judged.loading, running), judged.loading.still is not None
     shaken = partial(vibration.of_contacts, mesh=mesh, conditions=conditions, followed=followed)
-    given = judged.loading, choices_of(drive.gears), materials, judged.warm, conditions, running
+    given = judged.loading, choices_of(gears), materials, judged.warm, conditions, running
     return surfaces_of(*given, face_loading.of_contacts, shaken)
 
 
