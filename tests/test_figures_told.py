@@ -27,6 +27,7 @@ from ncgear.figures.trains import judged_contacts
 from ncgear.numerics.extrema import Extremum
 from ncgear.pitch.shape import Gear
 from ncgear.project.mending import MendingSubject as MendKind
+from ncgear.solids.plan.body import RoundHole
 from ncgear.strength.holding import Damage, lives_of
 from strong import made_up, made_up_surfaces
 
@@ -57,7 +58,7 @@ def body(mass: float, unbalance: complex) -> Any:
 def test_a_gear_out_of_balance_pulls_with_the_square_of_its_speed(speed_rpm: float, worth: bool) -> None:
     """m e w^2 against ISO 21940-11: G is e w in mm/s; a slow gear's pull is nothing beside its weight."""
     speed = speed_rpm * pi / 30.0
-    holes = [Made(x_mm=3.0, y_mm=4.0, diameter_mm=5.0)]
+    holes = [RoundHole(3.0, 4.0, 5.0)]
     corrected = Made(body=body(1.9, 0.02 + 0.0j), holes=holes, boss=Made(height_mm=2.0, section=Made(area=7.0)))
     told = _gear(Made(speed_rad_s=speed, body=body(2.0, 3.0 + 4.0j), corrected=corrected), 16.0)
     assert told["peak_speed_rpm"] == pytest.approx(speed_rpm)

@@ -248,7 +248,7 @@ def test_errors_of_samples_and_chords_fall_with_the_square_of_their_number() -> 
     assert curves.asked == one.chord_tolerance_mm
     assert [curves.recommended.error <= curves.asked, curves.trials[0].error > curves.asked] == [True, True]
     tried = BenchStage(
-        "", "", "mm", "", "", "", "", 0.02, "", 0.0, (TimedStage(0.4, 0.0, 0.16, 1), TimedStage(0.1, 0.0, 0.01, 1))
+        "", "", "mm", "", "", "", 0.02, "", 0.0, (TimedStage(0.4, 0.0, 0.16, 1), TimedStage(0.1, 0.0, 0.01, 1))
     )
     assert tried.order == pytest.approx(2.0)
     assert step_count(one) == 5

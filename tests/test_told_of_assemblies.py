@@ -84,7 +84,6 @@ def tolerated(two: bool = False, **changes: Any) -> Any:
         "seed": 1,
         "needed": Made(key="backlash_mm", value=0.08, given=0.05, of_pairs=(0.08, 0.07), jammed=Share(0.0, 0.0, 0.01),
                        refused=""),
-        "too_few": 5000,
         "indices": {
             "least_play_mm": (
                 Index(DeviationSource("pitch"), 0.5, 0.62, 0.1), Index(DeviationSource("wear"), 0.1, 0.019, 0.1)
@@ -161,7 +160,7 @@ def test_words_about_assemblies() -> None:
     assert "stage 1: 0.22 mm, stage 2: 0.22 mm anywhere" in knock_words(tolerated(two=True, loaded=False))
     assert needed_words(one) == "99.9 % turn with 0.08 (0.05 given); fresh ones: 0 % (0 to 1 % of all) jam"
     assert "stage 1: 0.08, stage 2: 0.07" in needed_words(two)
-    assert needed_words(tolerated(needed=None)) == "not told of so few; --samples 8192 or more is right"
+    assert needed_words(tolerated(needed=None)) == "not told of so few; --samples 4096 or more is right"
     assert [_power_of_two(count) for count in (1, 2, 3, 4096, 4097)] == [1, 2, 4, 4096, 8192]
     long = ", ".join(f"source number {number} {90 - number} %" for number in range(9))
     kept = _first(long)

@@ -22,7 +22,7 @@ from ncgear.project.tolerance_limits import MOST_JAMMED, TURNING
 from ncgear.tolerances.assemblies import Assemblies, PairAssemblies
 from ncgear.tolerances.drawn import DeviationSource
 from ncgear.tolerances.iso1328 import rounded_um
-from ncgear.tolerances.study import PairStudy, Share
+from ncgear.tolerances.study import PairStudy, Share, enough_samples
 
 OF_GEAR = {"eccentricity": "bore off", "tilt": "bore tilted", "index": "keyway"}
 SOURCES = {
@@ -305,7 +305,7 @@ def needed_words(tolerated: Tolerated) -> str:
     """The backlash that is needed, and what fresh assemblies with it say."""
     needed = tolerated.needed
     if needed is None:
-        return f"not told of so few; --samples {_power_of_two(tolerated.too_few)} or more is right"
+        return f"not told of so few; --samples {_power_of_two(enough_samples(TURNING))} or more is right"
     words = f"99.9 % turn with {needed.value:g} ({needed.given:g} given)"
     if len(tolerated.pairs) > 1:
         parts = zip(tolerated.pairs, needed.of_pairs, strict=True)

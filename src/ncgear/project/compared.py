@@ -51,6 +51,8 @@ MUCH_NEARER = 0.5
 
 INCH_MM = 25.4
 
+MIRRORED = "they fit its mirror image; look at the gear from its other side, or change the sign of x"
+
 
 @dataclass(frozen=True, eq=False)
 class ComparedGear:
@@ -115,11 +117,8 @@ def compared_pair(
     gears = tuple(compared_gear(outlines, gear, file, fit, probe_mm) for gear, file in files.items())
     placement, reach = placed(pitch), reach_mm(pitch, teeth)
     exact = {gear: teeth.of(gear).outline_mm for gear in Gear}
-    found = {**exact, **{one.gear: one.outline_mm for one in gears}}
-    both = [
-        Outlines(name, of[Gear.DRIVING], of[Gear.DRIVEN])
-        for name, of in (("measured points", found), ("exact outlines", exact))
-    ]
+    named = {"measured points": {**exact, **{one.gear: one.outline_mm for one in gears}}, "exact outlines": exact}
+    both = [Outlines(name, of[Gear.DRIVING], of[Gear.DRIVEN]) for name, of in named.items()]
     contact = [_contact(one, teeth, placement, reach) for one in both]
     extremes = [play_extremes(one, pitch, at, placement, reach) for one, at in zip(both, contact, strict=True)]
     lever_mm = idle_arms_mm(pitch, drive.rack)[0].value
@@ -195,10 +194,7 @@ def _other_reading(
     own = outlines[gear]
     readings = {
         f"they fit the {other.value} gear; give the file as --{other.value}": (outlines[other], points),
-        "they fit its mirror image; look at the gear from its other side, or change the sign of x": (
-            own,
-            -points.conj(),
-        ),
+        MIRRORED: (own, -points.conj()),
         "they fit it in inches; give x and y in mm": (own, INCH_MM * points),
     }
     away = nearness_mm(own, points, probe_mm)

@@ -229,12 +229,11 @@ def fitted(design: Design, on_trial: OnTrial = lambda done, most: None) -> Outli
     asked = design.outline
     outline, axis = _outline_and_axis(design.motion, asked is not None and asked.axis == "fixed", "outline.axis")
     wanted = OutlineAim(asked is not None and asked.criterion == "greatest", axis is not None, mate=_mate_wanted(asked))
-    limits = (
-        CurveLimits() if asked is None else CurveLimits(steepest_rad=_steepest_rad(asked.pressure_angle_deg, gears))
-    )
+    limits = CurveLimits()
+    if asked is not None:
+        limits = CurveLimits(steepest_rad=_steepest_rad(asked.pressure_angle_deg, gears))
     search = _Search(design, outline, wanted, axis, limits)
-    start = None
-    teeth = gears.teeth
+    start, teeth = None, gears.teeth
     if teeth is None:
         start = search.with_module()
         teeth = start.teeth
@@ -245,9 +244,8 @@ def fitted(design: Design, on_trial: OnTrial = lambda done, most: None) -> Outli
     sizes = _next_sizes(outline, best, replace(wanted, module_mm=None))
     there = polar_angle(curve, away.toward_mm if away.of_outline else away.at_mm)
     bound_by = _binding(best, there)
-    return OutlineFit(
-        outline, curve, away, best.drive, best.motion, bound_by, sizes, gears, _mate_fit(best, wanted.mate)
-    )
+    mate = _mate_fit(best, wanted.mate)
+    return OutlineFit(outline, curve, away, best.drive, best.motion, bound_by, sizes, gears, mate)
 
 
 def has_outline(design: Design) -> bool:
@@ -321,10 +319,9 @@ class _Search:
 
     def best(self, teeth: int, start: Rolled | None, on_trial: OnTrial) -> Made:
         """The nearest of the pairs that were made; raises NoSuchMechanism where all pairs are refused."""
-        limits, curve = self.limits, start
+        limits, curve, left = self.limits, start, TRIALS
         good = list[Made]()
         refused: Made | None = None
-        left = TRIALS
         for trial in range(TRIALS + NEARER):
             on_trial(trial, TRIALS + NEARER)
             curve = nearest_curve(self.outline, teeth, limits, self.wanted, self.axis_mm, curve)

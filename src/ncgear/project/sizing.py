@@ -228,7 +228,14 @@ def smallest_gears(drive: Drive, space: GearRoom, on_trial: OnTrial = lambda don
         if best is not None:
             found.append(best)
     if not found:
-        raise NoSuchMechanism(_nothing(search), key="gears")
+        near = max(search.computed, key=lambda one: one.share)
+        raise NoSuchMechanism(
+            f"no gears of series I up to {space.width_modules:g} modules wide were found that hold in this space; "
+            f"nearest of {len(search.computed)} come {near.teeth} teeth of module {near.module_mm:g} mm, "
+            f"{near.face_width_mm:g} mm wide, with {near.share:.2g} of the wanted safety; more space, a stronger "
+            "material or less load is needed",
+            key="gears",
+        )
     least_mm3 = min(one.volume_mm3 for one in found)
     found = sorted((one for one in found if one.volume_mm3 <= GREATER * least_mm3), key=lambda one: one.volume_mm3)
     narrow = [search.narrowed(one) for one in found[:BEST]]
@@ -550,10 +557,8 @@ class _Search:
     def width(self, teeth: int, module_mm: float) -> float:
         """The guessed face width in whole mm, not under NARROWEST_MODULES."""
         near = self.nearest(teeth, module_mm)
-        scale, larger = (
-            self.scale(teeth, module_mm) / self.scale(near.teeth, near.module_mm),
-            module_mm / near.module_mm,
-        )
+        scale = self.scale(teeth, module_mm) / self.scale(near.teeth, near.module_mm)
+        larger = module_mm / near.module_mm
         wider = [_wider(one, scale, larger) for one in near.rating.weakest]
         # Wear is in proportion to force over width, and may be a share of the module; heat is assumed to follow the
         # same rule.
@@ -582,13 +587,3 @@ def _wider(one: Weakest, scale: float, larger: float) -> float:
     if one.damage is Damage.BENDING:
         return 1.0 / (one.share * scale * larger)
     return 1.0 / (one.share * scale) ** 2
-
-
-def _nothing(search: _Search) -> str:
-    near = max(search.computed, key=lambda one: one.share)
-    return (
-        f"no gears of series I up to {search.space.width_modules:g} modules wide were found that hold in this space; "
-        f"nearest of {len(search.computed)} come {near.teeth} teeth of module {near.module_mm:g} mm, "
-        f"{near.face_width_mm:g} mm wide, with {near.share:.2g} of the wanted safety; more space, a stronger "
-        "material or less load is needed"
-    )

@@ -31,7 +31,6 @@ from ncgear.tolerances.study import (
     assemblies_of,
     drawn_at_random,
     drawn_evenly,
-    enough_samples,
     finer_by,
     jammed,
     knocking,
@@ -101,19 +100,8 @@ class Tolerated:
     index_samples: int
     needed: NeededBacklash | None
 
-    @property
-    def too_few(self) -> int:
-        """The least number of samples from which the needed backlash follows."""
-        return enough_samples(TURNING)
 
-
-def tolerated(
-    drive: Drive,
-    samples: int,
-    seed: int,
-    workers: Workers,
-    on_done: OnDone,
-) -> Tolerated:
+def tolerated(drive: Drive, samples: int, seed: int, workers: Workers, on_done: OnDone) -> Tolerated:
     """The behaviour of ``samples`` assemblies, a power of two; calls ``on_done`` with the numbers done and in all.
 
     Raises WrongInput where a grade does not hold for the gears, and as the drive does.
@@ -158,7 +146,7 @@ def _pair(
     pair, module = lot.pairs[number], drive.pitch.size.module_mm
     play_mm = float(nominal.pairs[number].largest_play_mm[0])
     coarse, fine = (share * module for share in FINE_IN_MODULES)
-    both = drive.gears.drives == "both_ways"
+    face, both = face_of(drive, (coarse, fine)), drive.gears.drives == "both_ways"
     return pair_study(
         lot,
         number,
@@ -168,14 +156,7 @@ def _pair(
         stage=drive.stage,
         knocking_mm=given.largest_play_mm or max(KNOCKING[0] * play_mm, KNOCKING[1] * module),
         finer=_mesh(drive, pair.limits, finer_by(pair) * PER_TOOTH),
-        exact=exact_of(
-            drive.pitch,
-            face_of(drive, (coarse, fine)),
-            placed(drive.pitch, PER_TOOTH),
-            pair.mesh,
-            CHECKED_POSITIONS,
-            both_ways=both,
-        ),
+        exact=exact_of(drive.pitch, face, placed(drive.pitch, PER_TOOTH), pair.mesh, CHECKED_POSITIONS, both_ways=both),
     )
 
 
