@@ -198,6 +198,35 @@ def test_what_is_missing_is_told(run: Run, text: str, place: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.judges("strength")
+def test_a_pinion_of_a_textbook_is_rated_on_the_safe_side(run: Run) -> None:
+    """Shigley, example 14-4: 17 and 52 teeth of 2.54 mm, 4 hp at 1800 r/min, factors of load apart.
+
+    F = 733 N, I = cos sin / 2 times 52/69 = 0.1211, Z_E = 191: 366.5 MPa at the pitch point.  Where one rigid pair begins
+    to carry alone, nearer to the pinion's root, the radii of curvature make it 406 MPa; the next pair of teeth that give
+    way still bears a little there.
+    """
+    gears = "{lobes: {driving: 17, driven: 52}, teeth: 17, module_mm: 2.54, face_width_mm: 38.1, material: 42CrMo4}"
+    torque_n_m = 4.0 * 745.7 / (1800.0 * np.pi / 30.0) * 52.0 / 17.0
+    status, _, err = run(
+        f"name: pinion\noperation: {{speed_rpm: 1800}}\nmotion: {{law: uniform_crank}}\ngears: {gears}\n"
+        f"resistance: {{expression_n_m: '{torque_n_m}'}}\n"
+        "strength: {application_factor: 1, dynamic_factor: 1, face_load_factor: 1}\n",
+        "--out",
+        "pinion",
+    )
+    assert status == 0, err
+    rolling, base_mm = np.radians(20.0), 2.54 * np.array([17.0, 52.0]) / 2.0 * np.cos(np.radians(20.0))
+    arm = np.sin(rolling) * 2.54 * 69.0 / 2.0
+    tips = np.sqrt((2.54 * (np.array([17.0, 52.0]) / 2.0 + 1.0)) ** 2 - base_mm**2)
+    alone = tips[0] - np.pi * 2.54 * np.cos(rolling)
+    at_pitch = base_mm * np.tan(rolling)
+    rigid = 366.5 * np.sqrt(at_pitch.prod() / (alone * (arm - alone)))
+    assert rigid == pytest.approx(406.1, abs=0.1)
+    assert 366.5 < 0.97 * rigid < figures("pinion")["driving"]["contact_stress_mpa"] < rigid
+
+
+@pytest.mark.slow
+@pytest.mark.judges("strength")
 def test_half_the_width_shows(run: Run) -> None:
     """With real strengths: root stresses go as one over the width, pressures as its root, load factors apart.
 
