@@ -201,9 +201,9 @@ def test_what_is_missing_is_told(run: Run, text: str, place: str) -> None:
 def test_a_pinion_of_a_textbook_is_rated_on_the_safe_side(run: Run) -> None:
     """Shigley, example 14-4: 17 and 52 teeth of 2.54 mm, 4 hp at 1800 r/min, factors of load apart.
 
-    F = 733 N, I = cos sin / 2 times 52/69 = 0.1211, Z_E = 191: 366.5 MPa at the pitch point.  Where one rigid pair begins
-    to carry alone, nearer to the pinion's root, the radii of curvature make it 406 MPa; the next pair of teeth that give
-    way still bears a little there.
+    F = 733 N, I = cos sin / 2 times 52/69 = 0.1211, Z_E = 191: 366.5 MPa at the pitch point.  Where a rigid pair begins
+    to carry alone, nearer to the pinion's root, the radii of curvature make it 406 MPa; of teeth that give way, the
+    next pair still bears a little there.
     """
     gears = "{lobes: {driving: 17, driven: 52}, teeth: 17, module_mm: 2.54, face_width_mm: 38.1, material: 42CrMo4}"
     torque_n_m = 4.0 * 745.7 / (1800.0 * np.pi / 30.0) * 52.0 / 17.0
