@@ -117,7 +117,7 @@ def test_an_even_crank_has_two_strong_harmonics() -> None:
 def test_the_baler_shakes_at_high_harmonics() -> None:
     """Parseval: 400 harmonics hold all of the mean square, twenty leave a hundred-thousandth."""
     baler = DrivenCrank(BALER_LINKAGE, baler_law(), 20.0 * RPM, ONE)
-    harmonics = np.array([one.amplitude for one in of_slider("slider", baler, 400)])
+    harmonics = np.array([one.amplitude_m_s2 for one in of_slider("slider", baler, 400)])
     phi1 = np.linspace(0.0, 2.0 * pi, 400_001)
     driven = baler.linkage.displacement(baler.transmission.driven_angle(phi1, 2)).derivative(2)
     square = float(np.trapezoid((driven * baler.speed_rad_s**2 / 1000.0) ** 2, phi1)) / (2.0 * pi)

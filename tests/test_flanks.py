@@ -194,7 +194,7 @@ def with_strength(keys: str) -> Drive:
     return drive_of_text(f"{TEXT}strength: {{{keys}}}\n")
 
 
-def even(contacts: LoadedContacts) -> Array:
+def even(contacts: LoadedContacts, application_factor: float, shaken: Array) -> Array:
     """K_Hbeta that is assumed."""
     return np.full(contacts.force_n.shape, 1.3)
 

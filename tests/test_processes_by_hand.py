@@ -406,7 +406,7 @@ def test_a_newer_request_waits_as_long_as_the_older_one_may_take(monkeypatch: py
 
 
 @pytest.mark.judges("studio")
-@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 0), (signal.SIGTERM, 143), (signal.SIGHUP, 129)])
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 0), (signal.SIGTERM, 143)])
 def test_a_studio_remembers_the_first_signal_that_ends_it(
     number: signal.Signals, status: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
