@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from math import degrees
 
 import numpy as np
+from pydantic import ValidationError
 
 from ncgear.errors import DesignError
 from ncgear.frozen import dataclass
@@ -56,10 +57,13 @@ def worn_over_life(drive: Drive, rating: Rating) -> Iterator[Worn]:
         added_mm += (share - before) * wear.play_mm
         if not added_mm:
             return
-        pair, before = changed_drive(drive, {f"gears.{key}": given + unit * added_mm}), share
-        worn = share * wear.wanted_h, depth_mm, given / unit + added_mm
+        worn, before = (share * wear.wanted_h, depth_mm, given / unit + added_mm), share
         try:
+            pair = changed_drive(drive, {f"gears.{key}": given + unit * added_mm})
             found = rating_of(pair, rating.strength.method)
+        except ValidationError:
+            yield Worn(*worn, why="the play is larger than any gears have")
+            return
         except DesignError as error:
             yield Worn(*worn, why=error.problem)
             return

@@ -19,7 +19,8 @@ STIFFEST_GPA = 1000.0
 def _known(name: str) -> str:
     """The name itself; a fault if the table has no such material."""
     if name not in TABLE:
-        close = get_close_matches(name, TABLE, n=1, cutoff=0.5)
+        begun = [one for one in TABLE if one.casefold().startswith(name.casefold())]
+        close = begun or get_close_matches(name, TABLE, n=1, cutoff=0.5)
         hint = f"did you mean {close[0]}?" if close else f"known are {listed(TABLE, 'and')}"
         raise fault("", f"{name} is no material of the table; {hint}")
     return name

@@ -55,26 +55,24 @@ def strength_answer(
     heads = [f"{head.label}, {head.unit}" if head.unit else head.label for head in HEADS[2:]]
     if beside is not None:
         heads.insert(1, f"by {beside.strength.method}")
-    rows, faults, lasting, about = [], list[Fault](), list[Row](), list[Row]()
+    rows, weak, worn_out, lasting, about = [], list[tuple[float, Fault]](), list[Fault](), list[Row](), list[Row]()
     for pair, rating, remedies, other, worn in pairs:
         rows += _rows(pair.of, rating, other)
-        weak = [one for one in rating.weakest if not one.holds]
         cures = [remedy.brief for remedy in remedies]
-        faults += [
-            Fault(
-                f"{pair.of}{one.gear.value} gear, {one.damage.words}: {teeth_words(one.too_weak)}", tuple(cures[place:])
-            )
-            for place, one in enumerate(sorted(weak, key=lambda one: one.share))
-        ]
+        under = sorted((one for one in rating.weakest if not one.holds), key=lambda one: one.share)
+        for place, one in enumerate(under):
+            what = f"{pair.of}{one.gear.value} gear, {one.damage.words}: {teeth_words(one.too_weak)}"
+            weak.append((one.share, Fault(what, tuple(cures[place:]))))
         about += _about(pair, rating)
         lasting += [Row(f"{pair.of}{name}", (words,)) for name, words in worn_rows(pair, worn)]
-        faults += [] if weak else [Fault(f"{pair.of}{fault}") for fault in worn_fault(worn)]
-    design = drive.design
+        worn_out += [] if under else [Fault(f"{pair.of}{fault}") for fault in worn_fault(worn)]
+    design, faults = drive.design, [*(fault for _, fault in sorted(weak, key=lambda one: one[0])), *worn_out]
     others = faults_of(verdict.without(Kind.STRENGTH))
     held = holding_words(any(rating.strength.wears for _, rating, *_ in pairs))
     return Answer(
         f"{design.name}: strength of the teeth at {design.operation.speed_rpm:g} r/min",
-        (*rows, *lasting, Row("method", (METHODS[first.strength.method],)), *about),
+        # What was asked for stays where a screen is too small
+        (*lasting, *rows, Row("method", (METHODS[first.strength.method],)), *about),
         (*faults, *others),
         f"Load: {load_words(drive, first.strength)}",
         heads=tuple(heads),
