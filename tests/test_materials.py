@@ -363,6 +363,7 @@ def test_materials_as_people_write_them(tmp_path: Path) -> None:
     ("material", "said"),
     [
         ("16MnCr", "gears.material: 16MnCr is no material of the table; did you mean 16MnCr5?"),
+        ("PLA", "gears.material: PLA is no material of the table; did you mean PLA-print?"),
         ("{driving: C45, driven: XYZ}", "gears.material.driven: XYZ is no material of the table; known are S235, "),
         ("{name: C45, hardness: 400}", "hardness: 400 given, but C45 (carbon steel, normalized) has 135 to 210 HV"),
         ("{name: POM, hardness: 80}", "hardness: given, but the strength of POM does not follow from it"),

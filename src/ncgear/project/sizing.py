@@ -15,7 +15,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from enum import Enum, auto
 from functools import cached_property
 from math import ceil, inf, log
@@ -41,7 +40,7 @@ from ncgear.project.strengthening import (
     sized,
 )
 from ncgear.strength.holding import Damage, Weakest
-from ncgear.strength.materials import TABLE
+from ncgear.strength.materials import TABLE, near_materials
 
 GEAR_INERTIA = ("driving_gear_kg_mm2", "shaft_between_kg_mm2", "driven_gear_kg_mm2")
 """Keys of ``masses`` for values that follow from the gears' bodies."""
@@ -179,7 +178,7 @@ def is_finer(coarse: Sized, teeth: int, module_mm: float) -> bool:
 def require_material(name: str, key: str) -> None:
     """Raise WrongInput, for an option ``key``, where the table has no such material."""
     if name not in TABLE:
-        close = get_close_matches(name, TABLE, n=1)
+        close = near_materials(name)
         hint = f"did you mean {close[0]}?" if close else f"one of {listed(TABLE)} is right"
         raise WrongInput(f"{name!r} given; {hint}", key=key)
 

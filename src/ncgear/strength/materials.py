@@ -6,6 +6,8 @@ of this table the stresses that a gear endures.
 
 from __future__ import annotations
 
+from difflib import get_close_matches
+
 from ncgear.frozen import dataclass
 from ncgear.strength.classes import (
     ALLOY,
@@ -134,6 +136,13 @@ ROWS: tuple[Entry, ...] = (
 
 TABLE: dict[str, Entry] = {entry.name: entry for entry in ROWS}
 """All materials by name."""
+
+
+def near_materials(name: str) -> list[str]:
+    """The materials of the table whose names begin as a name that is not in it, or else the nearest name, if any."""
+    begun = [one for one in TABLE if one.casefold().startswith(name.casefold())]
+    return begun or get_close_matches(name, TABLE, n=1, cutoff=0.5)
+
 
 ASSUMED = "42CrMo4"
 """Material where a design names none: the most usual steel of gears without hardened flanks.  All results that depend

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from difflib import get_close_matches
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field
 
 from ncgear.design.keys.base import Faults, Model, fault, optional, required
 from ncgear.design.words import listed
-from ncgear.strength.materials import TABLE, Ferrous
+from ncgear.strength.materials import TABLE, Ferrous, near_materials
 
 STRONGEST_MPA = 10_000.0
 STIFFEST_GPA = 1000.0
@@ -19,8 +18,7 @@ STIFFEST_GPA = 1000.0
 def _known(name: str) -> str:
     """The name itself; a fault if the table has no such material."""
     if name not in TABLE:
-        begun = [one for one in TABLE if one.casefold().startswith(name.casefold())]
-        close = begun or get_close_matches(name, TABLE, n=1, cutoff=0.5)
+        close = near_materials(name)
         hint = f"did you mean {close[0]}?" if close else f"known are {listed(TABLE, 'and')}"
         raise fault("", f"{name} is no material of the table; {hint}")
     return name
