@@ -211,7 +211,11 @@ def wishes_told(texts: Iterable[str]) -> dict[str, Any]:
                 raise WrongInput(f"{kind} is given twice; give it once", key=OPTION)
             else:
                 found[kind] = value
-    _require_right(found)
+    try:
+        Wishes.model_validate(found)
+    except ValidationError as error:
+        first = problems(error, Wishes, found)[0]
+        raise WrongInput(first.text, key=f"{OPTION}: {first.key}") from error
     return found
 
 
@@ -222,11 +226,3 @@ def _pairs(text: str) -> Iterable[tuple[str, Any]]:
         kinds = listed(Wishes.model_fields)
         raise WrongInput(f"{quoted(text)} given; KEY: VALUE is right, as {EXAMPLE}, where KEY is {kinds}", key=OPTION)
     return data.items()
-
-
-def _require_right(found: dict[str, Any]) -> None:
-    try:
-        Wishes.model_validate(found)
-    except ValidationError as error:
-        first = problems(error, Wishes, found)[0]
-        raise WrongInput(first.text, key=f"{OPTION}: {first.key}") from error

@@ -299,7 +299,8 @@ def _value(key: Key, root: type[Any]) -> str:
     known = _known(key)
     if known:
         return known
-    found = _in_template(key) if root is Design else None
+    law = LawName(key.law) if key.law else DEFAULT_LAW
+    found = _read_template(law).at(key.path) if root is Design else None
     if found is not None and not isinstance(found, dict):
         return plain(found)
     if key.group:
@@ -315,11 +316,6 @@ def _known(key: Key) -> str:
         return examples[key.name]
     ends = [end for end in KNOWN if f".{key.path}".endswith(f".{end}")]
     return KNOWN[max(ends, key=len)] if ends else ""
-
-
-def _in_template(key: Key) -> Any:
-    """The value of the key in the template of its law; None if it has none."""
-    return _read_template(LawName(key.law) if key.law else DEFAULT_LAW).at(key.path)
 
 
 @cache

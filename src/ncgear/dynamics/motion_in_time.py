@@ -393,17 +393,13 @@ def _checked(found: Course) -> Course:
     meshing, states = found.machine.meshing, found.at(found.fine_s)
     meshing.require_reach(states[0], states[2] - meshing.law.at(states[0])[0])
     if not found.energy_error <= ENERGY:
-        raise _unbalanced(found)
+        raise NoSuchMechanism(
+            f"the motion cannot be followed: its energy misses {found.energy_error:.3g} of the work at phi1 = "
+            f"{in_words(found.least_balanced_rad)}, and {ENERGY:g} is the most that counts as right; softer teeth (a "
+            "smaller stiffness_n_mm), more damping_n_s_mm, or fewer turns are needed",
+            key="simulation",
+        )
     return found
-
-
-def _unbalanced(found: Course) -> NoSuchMechanism:
-    return NoSuchMechanism(
-        f"the motion cannot be followed: its energy misses {found.energy_error:.3g} of the work at phi1 = "
-        f"{in_words(found.least_balanced_rad)}, and {ENERGY:g} is the most that counts as right; softer teeth (a "
-        "smaller stiffness_n_mm), more damping_n_s_mm, or fewer turns are needed",
-        key="simulation",
-    )
 
 
 def _stalled(machine: ToothedMachine, time_s: float, state: Array, after: str) -> NoSuchMechanism:

@@ -82,6 +82,7 @@ def strength_figures(drive: Drive, rating: Rating, verdict: Verdict, beside: Rat
         "decided_by": {f"{gear.value}_{damage.value}": load for (gear, damage), load in decided.items()},
         **_force_figures(drive),
     }
+    told = drive.told_face_load_by(rating.strength.method)
     found = {
         "design": {"name": drive.design.name, "description": drive.design.description},
         **stages_summary(drive),
@@ -89,7 +90,9 @@ def strength_figures(drive: Drive, rating: Rating, verdict: Verdict, beside: Rat
         "gears": {"module_mm": drive.pitch.size.module_mm, "face_width_mm": drive.gears.face_width_mm},
         "strength": strength_summary(rating, drive),
         **surfaces_figures(drive.surfaces_by(strength.method)),
-        "face_load": _face_load_figures(drive, rating),
+        "face_load": (
+            {**asdict(told), "rigid_bearings": drive.face_loading.rigid_bearings} if told is not None else {}
+        ),
         "vibration": vibration_figures(vibration_of_rating(drive, rating)),
     }
     if beside is not None:
@@ -235,12 +238,6 @@ def knock_words(knocks: Sequence[Knock] | None) -> str:
     fastest = max(knocks, key=lambda knock: knock.speed_mm_s)
     speed, place = figure("knock_mm_s", fastest.speed_mm_s), _degrees(fastest.phi1_rad)
     return f"{len(knocks)} in a turn of the driven gear, at up to {speed} at phi1 = {place} deg"
-
-
-def _face_load_figures(drive: Drive, rating: Rating) -> dict[str, Any]:
-    """The load along the width, as far as it is computed; teeth have the numbers of the driving gear."""
-    told = drive.told_face_load_by(rating.strength.method)
-    return {**asdict(told), "rigid_bearings": drive.face_loading.rigid_bearings} if told is not None else {}
 
 
 ALIKE = 0.01

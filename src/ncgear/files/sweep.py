@@ -68,7 +68,11 @@ def scatter_matrix(axes: Sequence[Axis], title: str) -> bytes:
         for column, along in enumerate(axes[: row + 1]):
             cell = made.add_subplot(count, count, row * count + column + 1)
             if row == column:
-                _distribution(cell, up)
+                if len(up.drawn):
+                    # Values that differ by rounding alone leave no room for bars.
+                    differ = np.ptp(up.drawn) > ROUNDING * np.abs(up.drawn).max()
+                    cell.hist(up.drawn, bins=24 if differ else 1, color=canvas.DRIVING, alpha=0.55)
+                cell.set_yticks([])
             else:
                 _points(cell, along, up)
             canvas.dress(
@@ -88,14 +92,6 @@ def scatter_matrix(axes: Sequence[Axis], title: str) -> bytes:
 def _points(cell: Axes, along: Axis, up: Axis) -> None:
     cell.plot(along.drawn, up.drawn, color=canvas.DRIVING, marker=".", markersize=1.8, alpha=0.35, linestyle="none")
     cell.plot(along.front, up.front, color=canvas.HIGHLIGHT, marker="o", markersize=2.8, linestyle="none", zorder=3)
-
-
-def _distribution(cell: Axes, axis: Axis) -> None:
-    if len(axis.drawn):
-        # Values that differ by rounding alone leave no room for bars.
-        differ = np.ptp(axis.drawn) > ROUNDING * np.abs(axis.drawn).max()
-        cell.hist(axis.drawn, bins=24 if differ else 1, color=canvas.DRIVING, alpha=0.55)
-    cell.set_yticks([])
 
 
 def _broken(head: str) -> str:

@@ -50,7 +50,7 @@ def read_measured(path: Path) -> MeasuredFile:
         while not cells[-1]:
             # A separator at the end of a line makes no cell.
             cells.pop()
-        if columns is None and not _is_point(cells):
+        if columns is None and plain_number(cells[0]) is None:
             columns, is_named = _named(cells, location), True
             continue
         columns = columns or (0, 1)
@@ -77,11 +77,6 @@ def _require_height(third: Sequence[str], points: Array, location: str) -> None:
     if heights.size == len(numbers) and not np.ptp(heights) <= LEVEL * float(np.ptp(points, axis=0).min()):
         problem = "three columns without a header, and the third is no height z: it varies as x and y do"
         raise WrongInput(f"{problem}; a line such as no,x_mm,y_mm at the top is right", location=location)
-
-
-def _is_point(cells: Sequence[str]) -> bool:
-    """Whether the first cell is a number, so that the line is no header."""
-    return plain_number(cells[0]) is not None
 
 
 def _named(cells: Sequence[str], location: str) -> tuple[int, int]:

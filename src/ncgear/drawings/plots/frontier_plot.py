@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
 
 from ncgear.drawings.plots import canvas
 from ncgear.drawings.plots.canvas import Style
@@ -38,7 +37,11 @@ def frontier(
     _set_scales(axes, shown)
     curves = list(axes.lines)
     for (name, *_), (power, acceleration) in zip(mechanisms, standing, strict=True):
-        _draw_mechanism(axes, name, power, acceleration, curves)
+        axes.plot([power], [acceleration], color=canvas.HIGHLIGHT, marker="D", markersize=6.0, linestyle="none")
+        # Names may contain dollar signs, which are not formulas.
+        note: Style = {"size": canvas.SMALL, "color": canvas.INK, "parse_math": False}
+        words = axes.annotate(name, (power, acceleration), xytext=(6.0, 5.0), textcoords="offset points", **note)
+        canvas.place_note(axes, words, NOTE_PLACES, curves)
     canvas.dress(axes, "peak power in W", f"peak acceleration in {unit[:-1]}\u00b2")
     canvas.legend_above(axes)
     return canvas.png(made)
@@ -84,14 +87,6 @@ NOTE_PLACES = (
     ("center", 0.0, -9.0),
 )
 """Places of a mechanism's name about its point, the best first."""
-
-
-def _draw_mechanism(axes: Axes, name: str, power: float, acceleration: float, curves: Sequence[Line2D]) -> None:
-    axes.plot([power], [acceleration], color=canvas.HIGHLIGHT, marker="D", markersize=6.0, linestyle="none")
-    # Names may contain dollar signs, which are not formulas.
-    note: Style = {"size": canvas.SMALL, "color": canvas.INK, "parse_math": False}
-    words = axes.annotate(name, (power, acceleration), xytext=(6.0, 5.0), textcoords="offset points", **note)
-    canvas.place_note(axes, words, NOTE_PLACES, curves)
 
 
 def _set_scales(axes: Axes, shown: Array) -> None:

@@ -31,7 +31,12 @@ def svg_files(shown: PairDrawings) -> dict[str, bytes]:
 def svg_bytes(drawing: Drawing) -> bytes:
     """A drawing with a group for each layer, as large on paper as the gear is."""
     decimals = flat.decimals_for([drawing])
-    root = _root(drawing.notes[0], _size(drawing, decimals))
+    box_low, box_high = flat.box_around([drawing])
+    low, high = box_low - MARGIN_MM, box_high + MARGIN_MM
+    width, height = high - low
+    box = " ".join(_numbers(np.array([low[0], -high[1], width, height]), decimals))
+    across, up = _numbers(np.array([width, height]), decimals)
+    root = _root(drawing.notes[0], {"width": f"{across}mm", "height": f"{up}mm", "viewBox": box})
     Xml.SubElement(root, "desc").text = "; ".join(drawing.notes[1:])
     upward = Xml.SubElement(root, "g", {"transform": "scale(1,-1)", "fill": "none", "stroke-width": f"{HAIRLINE_MM}"})
     for layer, shapes in drawing.layers.items():
@@ -53,16 +58,6 @@ def _bytes(root: Xml.Element) -> bytes:
     Xml.indent(root)
     text: bytes = Xml.tostring(root, encoding="utf-8", xml_declaration=True)
     return text + b"\n"
-
-
-def _size(drawing: Drawing, decimals: int) -> dict[str, str]:
-    """Attributes that give a drawing with its margin its true size on paper."""
-    box_low, box_high = flat.box_around([drawing])
-    low, high = box_low - MARGIN_MM, box_high + MARGIN_MM
-    width, height = high - low
-    box = " ".join(_numbers(np.array([low[0], -high[1], width, height]), decimals))
-    across, up = _numbers(np.array([width, height]), decimals)
-    return {"width": f"{across}mm", "height": f"{up}mm", "viewBox": box}
 
 
 def _path(shape: Shape, decimals: int) -> str:

@@ -100,7 +100,10 @@ def _draw_gear(board: Board, drive: Drive, measured: GearMeasures, plan: BodyPla
     board.add(*drawn_shape(Cross(0.0, 0.0, mark_mm), view, Pen.CHAIN))
     _mark_plane(board, plan, view)
     for words, own_rad in _directions(drive, gear):
-        _point_along(board, plan, view, words, own_rad)
+        way, outer = np.array([cos(own_rad), sin(own_rad)]), shapely.get_coordinates(plan.disc.exterior)[:-1]
+        reach = outline_radius_mm(outer, own_rad)
+        target = view.on_paper((reach + 1.0 / view.scale) * way)
+        board.point(target, view.direction_rad(own_rad), words, (0.0,))
     number_teeth(board, measured.toothed if drive.helix is None else drive.teeth.of(gear), view, "tooth")
     _point_at_tip(board, plan, view, drive.outer_radii_mm[gear])
     if drive.helix is None:
@@ -273,14 +276,6 @@ def _directions(drive: Drive, gear: Gear) -> list[tuple[str, float]]:
     if abs(sin((crank - meeting) / 2.0)) < 1e-6:
         return [(f"mesh, {drive.linkage.CRANK}", meeting)]
     return [("mesh", meeting), (drive.linkage.CRANK, crank)]
-
-
-def _point_along(board: Board, plan: BodyPlan, view: PaperView, words: str, own_rad: float) -> None:
-    """An arrow outside the gear that points at its axis along a direction."""
-    way, outer = np.array([cos(own_rad), sin(own_rad)]), shapely.get_coordinates(plan.disc.exterior)[:-1]
-    reach = outline_radius_mm(outer, own_rad)
-    target = view.on_paper((reach + 1.0 / view.scale) * way)
-    board.point(target, view.direction_rad(own_rad), words, (0.0,))
 
 
 def free_radius_mm(plan: BodyPlan, view: PaperView) -> float:
