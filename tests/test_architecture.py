@@ -22,7 +22,7 @@ from ncgear.project.drive import Drive
 SOURCE = ROOT / "src" / "ncgear"
 
 LAYERS = [
-    {"errors", "extras", "frozen", "interrupts", "memory", "shown", "stopwatch", "workers", "numerics"},
+    {"errors", "extras", "frozen", "interrupts", "memory", "shown", "workers", "numerics"},
     {"mechanisms"},
     {"ratio"},
     {"kinematics"},

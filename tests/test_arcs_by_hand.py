@@ -17,7 +17,7 @@ from ncgear.dynamics import quasi_static
 from ncgear.kinematics.motion import sample_angles
 from ncgear.mechanisms.crank_rocker import CrankRocker
 from ncgear.mechanisms.resistance import FormulaResistance
-from ncgear.metrology import chord_error, pins, round_tool
+from ncgear.metrology import exact_outline, pins, round_tool
 from ncgear.numerics.jet import Jet
 from ncgear.pitch.shape import Gear
 from ncgear.strength import face_load, holding, loading
@@ -112,10 +112,10 @@ def test_the_farthest_of_points_from_an_outline_is_found() -> None:
     ring = LinearRing(np.column_stack([outline.real, outline.imag]))
     exact = [ring.distance(Point(point.real, point.imag)) for point in points]
     corners = np.column_stack([outline.real, outline.imag])
-    assert chord_error.farthest_mm(np.column_stack([points.real, points.imag]), corners) == pytest.approx(max(exact))
-    bound = chord_error._at_most_mm(points, outline)
+    assert exact_outline.farthest_mm(np.column_stack([points.real, points.imag]), corners) == pytest.approx(max(exact))
+    bound = exact_outline._at_most_mm(points, outline)
     assert (bound >= np.array(exact) - 1e-12).all()
-    found = chord_error._from_chords_mm(
+    found = exact_outline._from_chords_mm(
         np.array([5.0 + 2.0j, -3.0 + 4.0j, 13.0j]), np.zeros(3), np.array([10.0, 10.0, 10.0j])
     )
     assert found == pytest.approx([2.0, 5.0, 3.0])

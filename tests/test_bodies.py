@@ -28,8 +28,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.solids.mesh import slabs
-from ncgear.solids.mesh.finish import SCREW_TOLERANCE, screw_hole_mm3
-from ncgear.solids.mesh.pair import GearSolid, gear_solid, ring_solid, solid_of_plan
+from ncgear.solids.mesh.pair import SCREW_TOLERANCE, GearSolid, gear_solid, ring_solid, screw_hole_mm3, solid_of_plan
 from ncgear.solids.mesh.slabs import bevel_of, slab_mesh
 from ncgear.solids.mesh.triangles import section_rings
 from ncgear.solids.plan.areas import moved_inwards

@@ -14,7 +14,7 @@ from drives import drive_of_text
 from ncgear.errors import DesignError
 from ncgear.numerics.bounds import rounded_up, shown_above, shown_below
 from ncgear.pitch.shape import Gear
-from ncgear.project.finest_chords import SOON
+from ncgear.project.gear_solids import SOON
 
 BASE = """\
 name: bounds

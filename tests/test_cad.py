@@ -26,7 +26,7 @@ from ncgear.teeth.contour import Line
 if find_spec("OCP") is None:
     pytest.skip("python -m pip install 'ncgear[step]' installs what makes exact solids", allow_module_level=True)
 
-faces, shapes = Later("ncgear.files.workshop.exact"), Later("ncgear.solids.brep.shapes")
+faces, shapes = Later("ncgear.files.workshop.step"), Later("ncgear.solids.brep.gear")
 
 FREECAD = shutil.which("freecadcmd") or shutil.which("FreeCADCmd")
 

@@ -22,8 +22,8 @@ from ncgear.errors import WrongInput
 from ncgear.figures.assembly import assembly_of
 from ncgear.figures.data_sheet.sheet import data_sheet
 from ncgear.figures.summary.build_summary import bodies_summary
+from ncgear.files.workshop.drawing import pair_drawings
 from ncgear.files.workshop.dxf import dxf_files
-from ncgear.files.workshop.gear_drawing import pair_drawings
 from ncgear.files.workshop.svg import svg_files
 from ncgear.project.drive import Drive
 from scenes import carried

@@ -20,7 +20,7 @@ from ncgear.drawings.page.tables import sheet_tables
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.data_sheet import sheet as sheet_module
 from ncgear.figures.data_sheet.entries import SheetEntry
-from ncgear.figures.data_sheet.pitch_table import pitch_csv, turn_deg
+from ncgear.figures.data_sheet.measured_tables import pitch_csv, turn_deg
 from ncgear.figures.data_sheet.sheet import DataSheet, data_sheet, sheet_text
 from ncgear.figures.tables import Table
 from ncgear.project import workshop_measures

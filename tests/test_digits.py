@@ -28,9 +28,8 @@ from ncgear.figures.numbers import drawn, fixed, json_text, shown, to_digits
 from ncgear.figures.quantities import SIZES, name_of, told
 from ncgear.figures.summary.build_summary import build_summary
 from ncgear.figures.terminal import figures_text
-from ncgear.files.workshop.drawing import written
+from ncgear.files.workshop.drawing import pair_drawings, written
 from ncgear.files.workshop.dxf import dxf_files
-from ncgear.files.workshop.gear_drawing import pair_drawings
 from ncgear.files.workshop.svg import svg_files
 from oracles import dxf
 

@@ -35,9 +35,8 @@ from ncgear.drivetrain.bearings import (
     shaft_loads,
 )
 from ncgear.drivetrain.cycle import Cycle, ShaftLoads, cycle_of, with_knocks
-from ncgear.drivetrain.demand import Demand
-from ncgear.drivetrain.losses import TouchingTeeth, losses_of, mesh_loss_factor, most_mesh_loss_factor
-from ncgear.drivetrain.motor import Gearbox, StraightLine, motor_load
+from ncgear.drivetrain.losses import Demand, TouchingTeeth, losses_of, mesh_loss_factor, most_mesh_loss_factor
+from ncgear.drivetrain.motor import Gearbox, StraightLine, motor_load, stall_of
 from ncgear.drivetrain.pto import Excursion, running_ahead, slipping
 from ncgear.drivetrain.shafts import (
     STEELS,
@@ -53,7 +52,6 @@ from ncgear.drivetrain.shafts import (
     shaft_safety,
 )
 from ncgear.drivetrain.speed import LineDrive, disc, speed_course
-from ncgear.drivetrain.stall import stall_of
 from ncgear.dynamics.mesh_force import MeshForce, MeshPlace, mesh_force
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics.arrays import Array, ComplexArray

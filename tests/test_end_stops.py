@@ -21,8 +21,8 @@ from shapely import Point, Polygon, affinity
 from drives import drive_of_text
 from ncgear.errors import WrongInput
 from ncgear.figures.assembly import assembly_of
+from ncgear.files.workshop.drawing import pair_drawings, pitch_points
 from ncgear.files.workshop.dxf import dxf_files
-from ncgear.files.workshop.gear_drawing import pair_drawings, pitch_points
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.solids.plan.body import ArcSlot, EndStop, slot_points

@@ -26,7 +26,7 @@ from ncgear.optimum.task import GearSize, Task, figures, tooth_loads
 from ncgear.optimum.task import felt as felt_figures
 from ncgear.pitch.shape import Mesh
 from ncgear.project.law_task import task_of
-from ncgear.project.moving_masses import TrainInertia
+from ncgear.project.moving import TrainInertia
 from ncgear.ratio.laws.expression import driven_angle_expression_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, single

@@ -36,7 +36,7 @@ from ncgear.optimum.task import Figures
 from ncgear.project.drive import Drive
 from ncgear.project.frontier_run import POINTS_FILE, FinishedPoints, Frontier, frontier
 from ncgear.project.law_task import GearsAsGiven, task_of, wishes_of
-from ncgear.project.moving_masses import TrainInertia
+from ncgear.project.moving import TrainInertia
 from published import FIT
 
 RESISTANCE = {"polynomial_n": FIT}

@@ -34,7 +34,7 @@ from ncgear.project.forces import drive_line_of, mean_inertia, swinging_inertia
 from ncgear.project.free_lengths import _given
 from ncgear.project.law import load_of
 from ncgear.project.law_task import _of_radius, _size_of
-from ncgear.project.moving_masses import TrainInertia, train_inertia
+from ncgear.project.moving import TrainInertia, train_inertia
 from ncgear.project.outline_trial import Made, between, drawn_in
 from ncgear.tolerances.drawn import DeviationLimits as Deviations
 

@@ -25,7 +25,7 @@ from ncgear.files.workshop.sheets import gear_tables
 from ncgear.files.workshop.sheets.sheet import ARROW_MM, arrow
 from ncgear.kinematics import even_speed
 from ncgear.kinematics.motion import Stretch
-from ncgear.metrology import as_measured
+from ncgear.metrology import deviations
 from ncgear.metrology.exact_outline import FLANK_CURVE
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.formula import composed
@@ -36,7 +36,7 @@ from ncgear.ratio.laws.curve_shapes import _are_noise, _means
 from ncgear.solids.plan.body import Bore, Keyway
 from ncgear.studio.on_disk import DesignOnDisk
 from ncgear.teeth import backlash
-from ncgear.whole_machines import wish_prices
+from ncgear.whole_machines import limits
 from ncgear.whole_machines.conflict import Easing
 
 Made: Any = SimpleNamespace
@@ -202,7 +202,7 @@ def test_ends_of_flanks_move_as_their_nearest_points() -> None:
         material=1.0,
         at=lambda rows, share: (None, np.full(rows.size, 2.0 + 0.0j)),
     )
-    ends, moved = as_measured._flank_ends(
+    ends, moved = deviations._flank_ends(
         outline, np.array([0, 0, 1]), np.array([1.0, 4.0, 6.0]), np.array([0.1, 0.3, 9.0])
     )
     assert ends.tolist() == [0.0, 5.0, 7.0, 12.0]
@@ -359,13 +359,13 @@ def test_a_machine_without_a_wish_needs_no_more_power_than_it_has(
         "inertia_as_given": lambda made: None,
         "task_of": lambda made, inertia: Made(lobes=None),
         "law_wishes": lambda made, _: Wishes("flanks", Limits(None if limit is None else limit * 80.0)),
-        "Drive": lambda design: Made(check=Made(peak_power_w=Made(value=80.0 / wish_prices.CLOSE))),
+        "Drive": lambda design: Made(check=Made(peak_power_w=Made(value=80.0 / limits.CLOSE))),
         "start_motion": lambda task, wishes: "start",
         "figures": lambda task, train: told[train],
     }.items():
-        monkeypatch.setattr(wish_prices, name, value)
+        monkeypatch.setattr(limits, name, value)
     monkeypatch.setattr("ncgear.optimum.makeable.law.kept_law", kept_law)
-    found = wish_prices.needed_without("", "")
+    found = limits.needed_without("", "")
     assert [one[1:] for one in asked[1:]] == [(cap * 80.0, "start"), (cap * 80.0, "m")]
-    assert asked[0][0] is wish_prices.Goal.POWER
+    assert asked[0][0] is limits.Goal.POWER
     assert [getattr(found, name) for name in type(found).__dataclass_fields__] == [40.0, 5.0]

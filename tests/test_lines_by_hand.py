@@ -15,7 +15,7 @@ from ncgear.contact.written.extremes import _quantities
 from ncgear.drawings.charts.drawer import angle_scale
 from ncgear.drivetrain.bearings import WantedLife, _life
 from ncgear.drivetrain.losses import IDLE, Losses
-from ncgear.drivetrain.stall import Stall
+from ncgear.drivetrain.motor import Stall
 from ncgear.dynamics.flank_changes import _DrivenSide
 from ncgear.dynamics.gaps import ERROR, Gaps, _breaks
 from ncgear.mechanisms.rack_pinion import BACK, TEETH, RackPinion

@@ -31,7 +31,7 @@ from ncgear.project.sizing import Sized
 from ncgear.project.strengthening import rating_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import single
-from ncgear.whole_machines import conflict, gears, limits, wish_prices
+from ncgear.whole_machines import conflict, gears, limits
 from ncgear.whole_machines import machine as machine_room
 from ncgear.whole_machines.laws import (
     CAPS,
@@ -52,8 +52,7 @@ from ncgear.whole_machines.machine import (
     limits_missed,
     motor_for,
 )
-from ncgear.whole_machines.pareto import far_apart, undominated
-from ncgear.whole_machines.search import Candidate, MachineSearch
+from ncgear.whole_machines.search import Candidate, MachineSearch, far_apart, undominated
 from ncgear.whole_machines.told import difference_words, machines_answer, machines_figures
 
 pytestmark = pytest.mark.judges("whole_machines")
@@ -545,15 +544,15 @@ def test_the_search_begins_with_the_gears_of_another_law(monkeypatch: pytest.Mon
 def test_the_price_of_a_wish_is_what_is_needed_more_with_it(monkeypatch: pytest.MonkeyPatch) -> None:
     """The dearest first; less than half a percent, and what no law was found for, is not told."""
     needed = {
-        "": wish_prices.NeededPower(12.0, 5000.0),
-        "a": wish_prices.NeededPower(10.0, 5000.0),
-        "b": wish_prices.NeededPower(12.0, 4000.0),
-        "c": wish_prices.NeededPower(11.95, 4990.0),
-        "d": wish_prices.NeededPower(6.0, inf),
+        "": limits.NeededPower(12.0, 5000.0),
+        "a": limits.NeededPower(10.0, 5000.0),
+        "b": limits.NeededPower(12.0, 4000.0),
+        "c": limits.NeededPower(11.95, 4990.0),
+        "d": limits.NeededPower(6.0, inf),
     }
-    monkeypatch.setattr(wish_prices, "wish_keys", lambda text: list("abcd"))
-    monkeypatch.setattr(wish_prices, "finished", lambda function, keys, *where: needed.items())
-    found = wish_prices.wish_prices(machine(), lambda done, count: None)
+    monkeypatch.setattr(limits, "wish_keys", lambda text: list("abcd"))
+    monkeypatch.setattr(limits, "finished", lambda function, keys, *where: needed.items())
+    found = limits.wish_prices(machine(), lambda done, count: None)
     assert [(one.key, one.motor, one.gears) for one in found] == [
         ("b", 0.0, pytest.approx(0.25)),
         ("a", pytest.approx(0.2), 0.0),
@@ -566,9 +565,9 @@ def test_a_wish_is_left_out_by_its_key() -> None:
     named: Any = [SimpleNamespace(key=key) for key in ("motion.dwells.0", "motion.time_ratio")]
     limits_of = replace(wishes.limits, peak_acceleration_mm_s2=3.0)
     wishes = replace(wishes, motion=tuple(named), convex=True, limits=limits_of)
-    assert wish_prices._without(wishes, "motion.time_ratio").motion == tuple(named[:1])
-    assert wish_prices._without(wishes, "optimize.limits.convex") == replace(wishes, convex=False)
-    free = wish_prices._without(wishes, "optimize.limits.peak_acceleration_rad_s2")
+    assert limits._without(wishes, "motion.time_ratio").motion == tuple(named[:1])
+    assert limits._without(wishes, "optimize.limits.convex") == replace(wishes, convex=False)
+    free = limits._without(wishes, "optimize.limits.peak_acceleration_rad_s2")
     assert (free.limits.peak_acceleration_mm_s2, free.motion, free.convex) == (None, tuple(named), True)
 
 
@@ -603,7 +602,7 @@ def test_machines_are_told_in_their_own_units() -> None:
     search = MachineSearch(loaded("pusher"))
     search.made = [machine(cost=3.0), machine(cost=9.0, peak_power_w=15.0, gear_volume_mm3=4e6)]
     limit = limits.MachineLimit(4000.0, 0.25, 1e6, 0.6)
-    price = wish_prices.WishPrice("optimize.limits.ratio_max", 0.17, -0.2)
+    price = limits.WishPrice("optimize.limits.ratio_max", 0.17, -0.2)
     found = replace(search.found, limits=limits.ProvenLimits(12.5, 0.6, (limit, limit)), prices=(price,))
     assert [one.figures.peak_power_w for one in found.machines] == [15.0, 20.0]
     assert found.recommended == 1

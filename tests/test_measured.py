@@ -25,10 +25,8 @@ from ncgear.errors import WrongInput
 from ncgear.figures.answers.answer import COLUMNS, LINES
 from ncgear.figures.compared import alone_points, compared_answer, gear_figures
 from ncgear.metrology import best_fit as best_fit_module
-from ncgear.metrology.alone import alone_mm, are_judged
-from ncgear.metrology.as_measured import _in_order, outline_as_measured
-from ncgear.metrology.best_fit import BestFit, Pose, _fitted, best_fit, on_flanks
-from ncgear.metrology.deviations import deviations
+from ncgear.metrology.best_fit import BestFit, Pose, _fitted, alone_mm, are_judged, best_fit, on_flanks
+from ncgear.metrology.deviations import _in_order, deviations, outline_as_measured
 from ncgear.metrology.exact_outline import FLANK_CURVE, TIP_LAND_CURVE, ExactOutline, exact_outline
 from ncgear.numerics.plane import as_complex, as_points
 from ncgear.pitch.shape import Gear

@@ -23,13 +23,14 @@ from ncgear.metrology.pins import (
     SOLD_MM,
     Misfit,
     Pins,
+    WorkingFlanks,
     nominal_pin_mm,
     over_two_pins,
     pins_in_spaces,
     pins_to_try,
+    working_flanks,
 )
 from ncgear.metrology.span import STEPS, MeasuringChords, _middles, measuring_chords, spans
-from ncgear.metrology.working import WorkingFlanks, working_flanks
 from ncgear.pitch.pair import sized_pair
 from ncgear.project.drive import Drive
 from ncgear.ratio.laws.harmonic import harmonic_law

@@ -12,7 +12,7 @@ import pytest
 from engaged import LAWS, MODULE
 from loaded import LINKAGE, MASSES, SPEED, STIFFNESS, even_load, frictionless, mechanism, meshing, slider_load
 from ncgear.dynamics.crank_load import crank_load
-from ncgear.dynamics.history import even_times_s, history
+from ncgear.dynamics.history import even_times_s, history, motion_peaks
 from ncgear.dynamics.loaded_machine import RigidMachine
 from ncgear.dynamics.mesh_force import MeshPlace
 from ncgear.dynamics.motion_in_time import (
@@ -25,7 +25,6 @@ from ncgear.dynamics.motion_in_time import (
     law_torque_n_mm,
     started,
 )
-from ncgear.dynamics.peaks import motion_peaks
 from ncgear.dynamics.quasi_static import loaded_contact
 from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.motion import Machine

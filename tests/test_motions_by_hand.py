@@ -12,8 +12,7 @@ import pytest
 
 from ncgear.cli.progress import Lines
 from ncgear.dynamics import history
-from ncgear.dynamics.history import meetings_s, parted_s, pressed_rad, pushing_parted_s
-from ncgear.dynamics.peaks import _passings_s, _sizes
+from ncgear.dynamics.history import _passings_s, _sizes, meetings_s, parted_s, pressed_rad, pushing_parted_s
 from ncgear.figures.data_sheet.entries import shafts_below
 from ncgear.optimum.outline import nearest
 from ncgear.project.passing import CRANK_PIN

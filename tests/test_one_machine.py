@@ -31,7 +31,7 @@ from ncgear.numerics.units import KG_M2
 from ncgear.optimum.task import Task, figures
 from ncgear.project.drive import Drive
 from ncgear.project.law_task import task_of
-from ncgear.project.moving_masses import disc_kg_mm2
+from ncgear.project.moving import disc_kg_mm2
 from ncgear.project.opened import loads
 from ncgear.project.service import densities_kg_m3
 from ncgear.ratio.laws.uniform import uniform_law

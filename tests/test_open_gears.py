@@ -551,7 +551,7 @@ def test_what_is_not_offered_is_refused_by_its_key(old: str, new: str, key: str)
 @pytest.mark.parametrize("what", ["rigid", "masses", "best law"])
 def test_what_needs_whole_turns_says_so(what: str) -> None:
     from ncgear.project.law_task import task_of
-    from ncgear.project.moving_masses import TrainInertia
+    from ncgear.project.moving import TrainInertia
 
     found = drive_of_text(OPEN)
     with pytest.raises(WrongInput, match="turn to and fro, less than once") as refusal:

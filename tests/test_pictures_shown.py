@@ -34,7 +34,7 @@ from ncgear.files.side_by_side import CHARTS, side_by_side_png
 from ncgear.files.strength import HOLDING_SCALE, ColouredGear, coloured_teeth_png
 from ncgear.files.sweep import Axis, _chosen, _effects_picture, pareto, scatter_matrix
 from ncgear.files.tolerance import FigureSpread, sources, spreads
-from ncgear.files.workshop.gear_drawing import pitch_points
+from ncgear.files.workshop.drawing import pitch_points
 from ncgear.metrology.best_fit import BestFit, Pose, on_flanks
 from ncgear.metrology.deviations import deviations
 from ncgear.metrology.exact_outline import exact_outline

@@ -23,7 +23,7 @@ from ncgear.errors import Unanswered
 from ncgear.figures.advice.law_advice import stretches_in_words
 from ncgear.files import measured
 from ncgear.files.read_back import flattened
-from ncgear.files.workshop.gear_drawing import bore_shape
+from ncgear.files.workshop.drawing import bore_shape
 from ncgear.metrology.round_tool import _Outline
 from ncgear.numerics.sampled import HIGHER, Functions
 from ncgear.pitch.pair import sized_pair

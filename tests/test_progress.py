@@ -10,8 +10,8 @@ import pytest
 
 from ncgear.cli import progress
 from ncgear.files.build import WRITTEN_STEPS, build, contacts_as_written, step_count
+from ncgear.project.moving import left_words
 from ncgear.project.opened import loads
-from ncgear.stopwatch import left_words
 
 GEARS = """
 name: small

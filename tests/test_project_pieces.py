@@ -19,14 +19,14 @@ from ncgear.errors import WrongInput
 from ncgear.numerics.extrema import Extremum
 from ncgear.optimum.outline.rolled import Rolled, SplineBasis
 from ncgear.pitch.shape import Gear
-from ncgear.project import drivetrain, finest_chords, strengthening
+from ncgear.project import drivetrain, gear_solids, strengthening
 from ncgear.project.alternatives import _least_addendum
 from ncgear.project.best_law import BestLaw
 from ncgear.project.compared import JAM_RAD, ComparedPair
 from ncgear.project.forces import drive_line_of
 from ncgear.project.gear_solids import rim_mm_of
 from ncgear.project.motor import _fitting, _line_drive
-from ncgear.project.moving_masses import disc_kg_mm2
+from ncgear.project.moving import disc_kg_mm2
 from ncgear.project.outline_trial import control_points
 from ncgear.teeth.tips import Limit
 
@@ -181,11 +181,11 @@ def test_a_ring_stands_for_its_teeth_between_its_rim_and_its_pitch_curve() -> No
 
 def test_the_finest_chords_of_several_pairs_are_those_of_the_coarsest(monkeypatch: pytest.MonkeyPatch) -> None:
     """Points grow as the root of the fineness: twice as many as are soon made ask for four times the tolerance."""
-    made = {"a": (0.001, 0.5 * finest_chords.SOON), "b": (0.003, 2.0 * finest_chords.SOON)}
-    monkeypatch.setattr(finest_chords, "finest_tolerance_mm", lambda pitch, form, at: made[pitch])
+    made = {"a": (0.001, 0.5 * gear_solids.SOON), "b": (0.003, 2.0 * gear_solids.SOON)}
+    monkeypatch.setattr(gear_solids, "finest_tolerance_mm", lambda pitch, form, at: made[pitch])
     pairs: Any = [("a", None, None), ("b", None, None)]
-    assert finest_chords.finest_chords_mm(pairs, 1e-4) == pytest.approx((0.003, 0.012))
-    assert finest_chords.finest_chords_mm(pairs[:1], 1e-4) == pytest.approx((0.001, 0.001))
+    assert gear_solids.finest_chords_mm(pairs, 1e-4) == pytest.approx((0.003, 0.012))
+    assert gear_solids.finest_chords_mm(pairs[:1], 1e-4) == pytest.approx((0.001, 0.001))
 
 
 def test_an_addendum_is_just_under_the_lowest_tip_that_was_cut() -> None:

@@ -28,8 +28,8 @@ from ncgear.errors import WrongInput
 from ncgear.figures.answers.answer import COLUMNS
 from ncgear.files.build import contacts_as_written, summaries_without_files, verdicts_of
 from ncgear.files.read_back import stl_bytes
+from ncgear.files.workshop.drawing import pair_drawings
 from ncgear.files.workshop.dxf import dxf_files
-from ncgear.files.workshop.gear_drawing import pair_drawings
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 

@@ -16,7 +16,7 @@ from drives import drive_of_text
 from ncgear.errors import WrongInput
 from ncgear.figures.summary.check_summary import stages_summary
 from ncgear.project.drive import Drive
-from ncgear.project.in_common import drive_like
+from ncgear.project.opened import drive_like
 from ncgear.project.strengthening import rating_of
 
 MACHINE = """\

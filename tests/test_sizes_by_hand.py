@@ -18,7 +18,7 @@ from ncgear.drawings.animation import artists
 from ncgear.drawings.scene import standing
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.advice.machine_advice import _of_unit
-from ncgear.metrology.as_measured import TIP_LAND_CURVE, is_metal
+from ncgear.metrology.deviations import TIP_LAND_CURVE, is_metal
 from ncgear.optimum.makeable import law
 from ncgear.project import tolerance_limits
 from ncgear.project.law_task import _of_undercut

@@ -16,7 +16,7 @@ from commands import Run, on_text
 from drives import DESIGNS, drive, drive_of_text
 from ncgear.design.reading.design_file import load
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.figures.sized import parts_that_fail
+from ncgear.figures.answers.strong import parts_that_fail
 from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import Changes, changed_drive, changed_gears
 from ncgear.project.drive import Drive

@@ -15,7 +15,7 @@ from ncgear.pitch.shape import Gear
 from ncgear.solids.helical import mesh as lofts
 from ncgear.solids.helical import stack
 from ncgear.solids.helical.mesh import lofted
-from ncgear.solids.mesh.finish import finished
+from ncgear.solids.mesh.pair import finished
 from ncgear.solids.mesh.slabs import Slab, facing, filling, slab_mesh
 from ncgear.solids.mesh.triangles import TriangleMesh
 from ncgear.solids.plan import plan as plans

@@ -18,16 +18,15 @@ from ncgear.design.laws.harmonic_ratio import HarmonicRatio
 from ncgear.design.laws.spiral import Spiral
 from ncgear.design.trains.tip_path import TipPathKeys
 from ncgear.drawings.scene.standing import SUPPORT, SUPPORT_HATCHES, support_hatches_mm
-from ncgear.dynamics.history import CRANK_BEARING
-from ncgear.dynamics.peaks import Peak
+from ncgear.dynamics.history import CRANK_BEARING, Peak
 from ncgear.figures import compared
 from ncgear.figures.advice.teeth_advice import idle_flanks
 from ncgear.figures.advice.values import Kind
 from ncgear.figures.side_by_side import design_figures
 from ncgear.figures.simulated import _lasting_s, _peak_at, dynamic_table
 from ncgear.files.editor import with_member
-from ncgear.files.workshop.exact import _missed_mm, pitch_spline
-from ncgear.files.workshop.gear_drawing import gear_notes
+from ncgear.files.workshop.drawing import gear_notes
+from ncgear.files.workshop.step import _missed_mm, pitch_spline
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.pitch.shape import Gear
 from ncgear.studio.worker import _line
@@ -113,7 +112,7 @@ def test_idle_flanks_are_told_of_where_only_pushing_ones_must_hold(
 
 @pytest.mark.judges("files")
 def test_a_drawing_says_what_its_lines_do_not_show(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("ncgear.files.workshop.gear_drawing._scale", lambda _: "1:1")
+    monkeypatch.setattr("ncgear.files.workshop.drawing._scale", lambda _: "1:1")
     drive: Any = Made(title="d", pitch=Made(size=Made(module_mm=2.0)), helix=None)
 
     def notes(**changes: Any) -> str:

@@ -21,9 +21,8 @@ from ncgear.dynamics.mesh_force import MeshPlace, mesh_force
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.data_sheet.sheet import data_sheet
 from ncgear.figures.summary.build_summary import teeth_summary
-from ncgear.metrology.pins import pins_in_spaces
+from ncgear.metrology.pins import pins_in_spaces, working_flanks
 from ncgear.metrology.span import spans
-from ncgear.metrology.working import working_flanks
 from ncgear.numerics.jet import Jet
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear, Mesh

@@ -33,8 +33,7 @@ from ncgear.ratio.transmission import single
 from ncgear.whole_machines.gears import GearJob, machine_of
 from ncgear.whole_machines.laws import LawJob, law_design, law_wishes, laws_of
 from ncgear.whole_machines.machine import Unfit, WholeMachine, judged_machine
-from ncgear.whole_machines.pareto import far_apart, recommended, undominated
-from ncgear.whole_machines.search import MachineSearch
+from ncgear.whole_machines.search import MachineSearch, far_apart, recommended, undominated
 
 PUSHER = (DESIGNS / "pusher.yaml").read_text(encoding="utf-8")
 TEMPLATE = DESIGNS.parent / "src" / "ncgear" / "design" / "templates" / "choices.yaml"

@@ -34,9 +34,8 @@ from ncgear.contact.written.as_written import Outlines
 from ncgear.drawings.beside import HERE
 from ncgear.drawings.plots.canvas import DRIVEN, DRIVING
 from ncgear.files.read_back import exact_outlines, outline_errors_mm, outline_of_dxf, outline_of_svg
-from ncgear.files.workshop.drawing import Layer, Use
+from ncgear.files.workshop.drawing import Layer, Use, pitch_points
 from ncgear.files.workshop.formats import USUAL, WRITERS, Format, all_made, begun_workshop_files
-from ncgear.files.workshop.gear_drawing import pitch_points
 from ncgear.files.workshop.turning import _after, turning
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear, Mesh

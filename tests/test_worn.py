@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from drives import drive_of_text
-from ncgear.figures.worn import worn_fault, worn_figures, worn_rows
+from ncgear.figures.answers.strong import worn_fault, worn_figures, worn_rows
 from ncgear.project.drive import Drive
 from ncgear.project.strengthening import rating_of
 from ncgear.project.worn import worn_over_life

@@ -15,7 +15,7 @@ from ncgear.kinematics.check import KinematicCheck, kinematic_check
 from ncgear.mechanisms.forces import Masses
 from ncgear.numerics.units import KG_M2
 from ncgear.project.drive import Drive
-from ncgear.project.moving_masses import train_inertia
+from ncgear.project.moving import train_inertia
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,10 +8,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ncgear.extras import require
-from ncgear.files.workshop.exact import exact_solids, pitch_spline
+from ncgear.files.workshop.step import exact_solids, pitch_spline
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.solids.brep.shapes import geometry_of, solids_of
+from ncgear.solids.brep.gear import geometry_of, solids_of
 from ncgear.teeth.contour import CURVES_SHARE
 
 if TYPE_CHECKING:

@@ -291,9 +291,8 @@ def strength(
 
         from ncgear.figures.advice.strength_advice import SIZE, remedies
         from ncgear.figures.advice.verdict import KnownParts, judged, together
-        from ncgear.figures.answers.strong import strength_answer
+        from ncgear.figures.answers.strong import strength_answer, worn_figures
         from ncgear.figures.strong import strength_figures
-        from ncgear.figures.worn import worn_figures
         from ncgear.files.build import naming_stage
         from ncgear.files.manifest import publish_run
         from ncgear.files.strength import strength_files

@@ -224,8 +224,7 @@ def size(
         if out is not None:
             prepare_file(out)
 
-        from ncgear.figures.answers.strong import sized_answer
-        from ncgear.figures.sized import sized_design, sized_figures
+        from ncgear.figures.answers.strong import sized_answer, sized_design, sized_figures
         from ncgear.files.manifest import Run, publish_named
         from ncgear.project.drive import Drive
         from ncgear.project.sizing import GearRoom, asked_design, in_herringbone, smallest_gears, stated_inertias

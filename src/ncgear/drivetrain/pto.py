@@ -7,7 +7,7 @@ work that the machine gets beyond its demand at w_0,
 
     D(phi) = integral of (T_s - T) dphi from where it lets go,
 
-is in its masses: w^2 = w_0^2 + 2 D / J (T and J as in ``ncgear.drivetrain.demand``; both sides of the balance have the
+is in its masses: w^2 = w_0^2 + 2 D / J (T and J as in ``ncgear.drivetrain.losses``; both sides of the balance have the
 same A).  The clutch catches again where D is 0 again.  So the speed follows without solving an equation in time.
 """
 
@@ -18,7 +18,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ncgear.drivetrain.cycle import CLOSE_RAD, WIDEST_RAD, panels_between
-from ncgear.drivetrain.demand import Demand
+from ncgear.drivetrain.losses import Demand
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.chebyshev import PiecewiseChebyshev

@@ -4,7 +4,7 @@ With the energy E = J w^2 / 2 of all that moves, and T_drive the motor's torque 
 
     dE/dphi = T_drive(w) - A(phi),   w = sqrt(2 E / J(phi)),   E(0) = E(cycle)
 
-(``ncgear.drivetrain.demand`` defines J and A).  The torque falls with the speed, so one solution is reached from any
+(``ncgear.drivetrain.losses`` defines J and A).  The torque falls with the speed, so one solution is reached from any
 start.  E is a polynomial on each of many panels and keeps the equation at their Radau nodes (collocation; E. Hairer, G.
 Wanner, "Solving Ordinary Differential Equations II", 2nd edition 1996, section IV.5), which damp what stiff motors
 would let ring; Newton's method solves the equations of all panels and the periodicity together.  Where the motor begins
@@ -22,9 +22,8 @@ import numpy as np
 from numpy.polynomial import chebyshev, legendre
 
 from ncgear.drivetrain.cycle import apart, panels_between
-from ncgear.drivetrain.demand import Demand
-from ncgear.drivetrain.motor import Gearbox, StraightLine
-from ncgear.drivetrain.stall import stall_of
+from ncgear.drivetrain.losses import Demand
+from ncgear.drivetrain.motor import Gearbox, StraightLine, stall_of
 from ncgear.errors import NoSuchMechanism, Unanswered
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array

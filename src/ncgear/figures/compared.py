@@ -13,8 +13,8 @@ from ncgear.figures.csv_text import csv_text, rows_text
 from ncgear.figures.numbers import fixed, known, micrometres, to_digits
 from ncgear.figures.quantities import figure
 from ncgear.frozen import dataclass
-from ncgear.metrology.alone import FEWEST_PLACES, MOST, are_judged, rough_points
-from ncgear.metrology.as_measured import is_metal
+from ncgear.metrology.best_fit import FEWEST_PLACES, MOST, are_judged, rough_points
+from ncgear.metrology.deviations import is_metal
 from ncgear.metrology.exact_outline import FLANK_CURVE, TIP_LAND_CURVE
 from ncgear.numerics.arrays import Array
 from ncgear.project.compared import ComparedGear, ComparedPair, FittedQuantities

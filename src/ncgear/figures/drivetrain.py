@@ -7,7 +7,7 @@ from math import degrees
 from typing import Any
 
 from ncgear.drivetrain.bearings import BearingLife
-from ncgear.drivetrain.demand import Demand
+from ncgear.drivetrain.losses import Demand
 from ncgear.drivetrain.pto import Excursion
 from ncgear.drivetrain.speed import SpeedCourse
 from ncgear.figures.numbers import known

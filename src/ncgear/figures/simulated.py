@@ -16,10 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from ncgear.dynamics.history import CRANK_BEARING, History, parted_s, pushing_parted_s
+from ncgear.dynamics.history import CRANK_BEARING, History, MotionPeaks, Peak, parted_s, pushing_parted_s
 from ncgear.dynamics.level import Level
 from ncgear.dynamics.loaded_machine import Loads
-from ncgear.dynamics.peaks import MotionPeaks, Peak
 from ncgear.dynamics.rigid import LoadPeaks, Rigid
 from ncgear.errors import NoSuchMechanism
 from ncgear.figures.csv_text import load_column, motion_columns

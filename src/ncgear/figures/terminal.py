@@ -10,9 +10,9 @@ from textwrap import wrap
 from typing import Any
 
 from ncgear.figures.answers.answer import Answer, whole_answer
-from ncgear.figures.comparison import comparison_tables
 from ncgear.figures.numbers import fixed, placed
 from ncgear.figures.quantities import STATISTICS, figure, name_of, told
+from ncgear.figures.summary.check_summary import comparison_tables
 from ncgear.figures.tables import WIDTH, Table, aligned
 from ncgear.numerics.units import label_and_unit
 from ncgear.project.drive import Drive

@@ -20,7 +20,7 @@ from ncgear.drawings.pictures import gear_pictures, load_pictures, motion_pictur
 from ncgear.figures.advice.verdict import KnownParts, Verdict, judged, together
 from ncgear.figures.assembly import assembly_of
 from ncgear.figures.csv_text import contact_csv, law_csv, outline_csv
-from ncgear.figures.data_sheet.pitch_table import pitch_csv
+from ncgear.figures.data_sheet.measured_tables import pitch_csv
 from ncgear.figures.data_sheet.sheet import data_sheet, sheet_text
 from ncgear.figures.numbers import json_text
 from ncgear.figures.summary.build_summary import build_summary, with_files

@@ -42,7 +42,7 @@ def answer(path: Path) -> dict[str, Any]:
     from OCP.BRepTools import BRepTools
     from OCP.TopTools import TopTools_FormatVersion
 
-    from ncgear.files.workshop.exact import exact_solids, pitch_spline
+    from ncgear.files.workshop.step import exact_solids, pitch_spline
     from ncgear.project.opened import load
     from ncgear.teeth.contour import CURVES_SHARE
 

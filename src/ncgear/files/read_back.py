@@ -18,7 +18,7 @@ from shapely import Polygon
 
 from ncgear.contact.written.as_written import Outlines
 from ncgear.errors import Unanswered
-from ncgear.metrology.chord_error import exact_points, farthest_mm
+from ncgear.metrology.exact_outline import exact_points, farthest_mm
 from ncgear.numerics.arrays import Array, counted_up
 from ncgear.numerics.plane import as_complex, as_points, signed_area
 from ncgear.pitch.shape import Gear

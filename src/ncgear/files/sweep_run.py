@@ -26,7 +26,7 @@ from ncgear.files.parts import Parts, alone_in, table_bytes
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.project.law import lobes_of
-from ncgear.project.moving_masses import states_inertia
+from ncgear.project.moving import states_inertia
 from ncgear.ratio.transmission import Lobes
 from ncgear.screening.batch import kind_of
 from ncgear.screening.deeper import deepened, deeper_names, require_stage

@@ -27,7 +27,7 @@ from math import cos, sin
 import numpy as np
 
 from ncgear.frozen import dataclass
-from ncgear.metrology.working import WorkingFlanks
+from ncgear.metrology.pins import WorkingFlanks
 from ncgear.numerics.arrays import Array, Columns, IndexArray, Mask
 from ncgear.numerics.plane import cross
 from ncgear.numerics.zeros import zeros_between

@@ -18,7 +18,7 @@ from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.jet import Jet
-from ncgear.numerics.turn_integral import DEGREE, INTEGRATING, TurnIntegral, closed
+from ncgear.numerics.quadrature import DEGREE, INTEGRATING, TurnIntegral, closed
 
 FEWEST_KNOTS = 3
 """Fewest knots of a turn: each then has two different neighbours."""

@@ -22,7 +22,7 @@ from ncgear.design.keys.optimize import Optimize
 from ncgear.errors import DesignError, WrongInput
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.project.drive import Drive
-from ncgear.project.in_common import drive_like
+from ncgear.project.opened import drive_like
 from ncgear.ratio.transmission import Transmission
 from ncgear.teeth.form import BasicRack
 from ncgear.teeth.root_radius import fitting_root_radius, largest_root_radius

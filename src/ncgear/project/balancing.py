@@ -24,7 +24,7 @@ from ncgear.mechanisms.mechanism import require_rod
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.project.drive import Drive
 from ncgear.project.law import require_whole_turns
-from ncgear.project.moving_masses import masses_of, stated_inertia
+from ncgear.project.moving import masses_of, stated_inertia
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
 from ncgear.shown import Shown

@@ -236,7 +236,7 @@ def _tolerances(drive: Drive) -> list[float]:
 
 def _teeth(drive: Drive) -> BenchStage:
     """The outlines by chord tolerance, beside points of the exact curves between all chords."""
-    from ncgear.metrology.chord_error import exact_points, farthest_mm
+    from ncgear.metrology.exact_outline import exact_points, farthest_mm
 
     asked = drive.chord_tolerance_mm
     exact = {gear: exact_points(drive.teeth.of(gear)) for gear in Gear}
@@ -308,7 +308,7 @@ FINER_SOLIDS = 16.0
 
 def _solids(drive: Drive) -> BenchStage:
     """The meshes by chord tolerance: a section beside points of the exact curves, the volume beside finer meshes."""
-    from ncgear.metrology.chord_error import exact_points
+    from ncgear.metrology.exact_outline import exact_points
     from ncgear.project.gear_solids import straight_solids
 
     asked, gears, pitch = drive.chord_tolerance_mm, drive.gears, drive.pitch
@@ -349,7 +349,7 @@ def _solids(drive: Drive) -> BenchStage:
 
 def _section_error_mm(exact: Array, mesh: Trimesh, height_mm: float) -> float:
     """The largest distance of exact points of a tooth outline from the nearest line of a mesh's section."""
-    from ncgear.metrology.chord_error import farthest_mm
+    from ncgear.metrology.exact_outline import farthest_mm
     from ncgear.solids.mesh.triangles import section_rings
 
     rings = section_rings(np.asarray(mesh.vertices), np.asarray(mesh.faces), height_mm)

@@ -29,7 +29,7 @@ from ncgear.project.law_task import (
     wishes_of,
     with_driven_flywheel,
 )
-from ncgear.project.moving_masses import TrainInertia
+from ncgear.project.moving import TrainInertia
 from ncgear.ratio.transmission import PairsInSeries
 from ncgear.shown import Shown
 from ncgear.workers import finished

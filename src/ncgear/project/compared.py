@@ -20,9 +20,8 @@ from ncgear.contact.written.extremes import PlayExtremes, play_extremes
 from ncgear.design.reading.measured_file import MeasuredFile
 from ncgear.errors import DesignError, WrongInput
 from ncgear.frozen import dataclass
-from ncgear.metrology.as_measured import outline_as_measured
 from ncgear.metrology.best_fit import BestFit, best_fit, nearness_mm
-from ncgear.metrology.deviations import GearDeviations, deviations
+from ncgear.metrology.deviations import GearDeviations, deviations, outline_as_measured
 from ncgear.metrology.exact_outline import ExactOutline, exact_outline
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.plane import as_complex

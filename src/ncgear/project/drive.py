@@ -15,8 +15,7 @@ from ncgear.errors import DesignError, NoSuchMechanism, WrongInput, located
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.geared import Geared
-from ncgear.project.moving import computed, computed_by
-from ncgear.stopwatch import left_words
+from ncgear.project.moving import computed, computed_by, left_words
 
 if TYPE_CHECKING:
     from ncgear.contact.designed.as_designed import AsDesigned
@@ -24,12 +23,12 @@ if TYPE_CHECKING:
     from ncgear.contact.pair import PairContact, SidesInContact
     from ncgear.contact.written.as_written import Outlines
     from ncgear.drivetrain.jam import Jam
-    from ncgear.drivetrain.stall import Stall
+    from ncgear.drivetrain.motor import Stall
     from ncgear.dynamics.flank_changes import BorneTorque, Knock
+    from ncgear.dynamics.history import MotionPeaks
     from ncgear.dynamics.knocking import KnockingMachine
     from ncgear.dynamics.meshing import Meshing
     from ncgear.dynamics.motion_in_time import Course
-    from ncgear.dynamics.peaks import MotionPeaks
     from ncgear.dynamics.quasi_static import LoadedContact, LoadedPeaks
     from ncgear.dynamics.rigid import LoadPeaks
     from ncgear.formulas.checked import Formulas
@@ -488,7 +487,7 @@ class Drive(Geared):
 
     def peaks_of(self, course: Course) -> MotionPeaks:
         """The peaks of a motion in time of this drive."""
-        from ncgear.dynamics.peaks import motion_peaks
+        from ncgear.dynamics.history import motion_peaks
 
         def on_share(done: float) -> None:
             self.stopwatch.within(f"peaks searched at {100.0 * done:.0f} % of the motion")

@@ -24,9 +24,8 @@ from ncgear.drivetrain.bearings import (
     shaft_loads,
 )
 from ncgear.drivetrain.cycle import Cycle, cycle_of, with_knocks
-from ncgear.drivetrain.demand import Demand
 from ncgear.drivetrain.jam import Jam, JammedShaft, Load, deciding, jammed_shaft
-from ncgear.drivetrain.losses import TouchingTeeth, mesh_loss_factor
+from ncgear.drivetrain.losses import Demand, TouchingTeeth, mesh_loss_factor
 from ncgear.drivetrain.pto import Excursion, running_ahead, slipping
 from ncgear.drivetrain.shafts import (
     FREE_HEIGHT_MM,

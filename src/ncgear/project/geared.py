@@ -25,8 +25,7 @@ from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
 from ncgear.pitch.shape import Gear
 from ncgear.project.law import require_whole_turns, size_of
-from ncgear.project.moving import Moving, computed
-from ncgear.project.moving_masses import GearInertia, TrainInertia, disc_kg_mm2, masses_of, train_inertia
+from ncgear.project.moving import GearInertia, Moving, TrainInertia, computed, disc_kg_mm2, masses_of, train_inertia
 from ncgear.project.tooth_form import (
     backlash_of,
     helix_of,
@@ -100,7 +99,7 @@ class Geared(Moving):
 
     def _too_fine(self, said: str, from_mm: float) -> WrongInput:
         """The error for too fine chords, with the finest tolerances over ``from_mm`` that work and that are quick."""
-        from ncgear.project.finest_chords import finest_chords_mm
+        from ncgear.project.gear_solids import finest_chords_mm
 
         made = [
             (pair.pitch, form, pair.helix)

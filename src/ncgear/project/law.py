@@ -39,7 +39,7 @@ def law_of(design: Design) -> Law:
         return replace(law, train=row_train(laws))
     if gears is None or gears.pairs == 1:
         return law
-    from ncgear.ratio.laws.shared import shared_out
+    from ncgear.ratio.laws.row import shared_out
 
     return replace(law, train=shared_out(law.transmission, gears.pairs))
 

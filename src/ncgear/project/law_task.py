@@ -31,7 +31,7 @@ from ncgear.project.law import (
     motion_wishes_of,
     require_whole_turns,
 )
-from ncgear.project.moving_masses import TrainInertia, masses_of
+from ncgear.project.moving import TrainInertia, masses_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import PairsInSeries, single
 

@@ -14,11 +14,9 @@ from ncgear.design.keys.base import listed
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.drivetrain import DrivetrainMotor
 from ncgear.drivetrain.cycle import cycle_of, rubbing
-from ncgear.drivetrain.demand import Demand
-from ncgear.drivetrain.losses import losses_of, most_mesh_loss_factor
-from ncgear.drivetrain.motor import Gearbox, MotorLoad, StraightLine, motor_load
+from ncgear.drivetrain.losses import Demand, losses_of, most_mesh_loss_factor
+from ncgear.drivetrain.motor import Gearbox, MotorLoad, Stall, StraightLine, motor_load, stall_of
 from ncgear.drivetrain.speed import LineDrive, SpeedCourse, speed_course
-from ncgear.drivetrain.stall import Stall, stall_of
 from ncgear.dynamics.motion_in_time import Motor
 from ncgear.dynamics.rigid import Rigid
 from ncgear.errors import NoSuchMechanism, WrongInput

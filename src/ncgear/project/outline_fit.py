@@ -15,7 +15,7 @@ import numpy as np
 
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.gears import Gears
-from ncgear.design.keys.outline import FollowedOutline, MateOutline
+from ncgear.design.keys.optimize import FollowedOutline, MateOutline
 from ncgear.design.keys.pitch_shapes import FEWEST_POINTS, MOST_POINTS
 from ncgear.design.laws.base import LawKeys
 from ncgear.design.reading.design_file import parsed_mapping

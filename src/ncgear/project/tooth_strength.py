@@ -181,7 +181,7 @@ class Rim:
 
 def rim_of(gear: ToothedGear, plan: BodyPlan, *, helical: bool) -> Rim:
     """The walls under the teeth of a gear in its body; all helical teeth count as the tooth with the thinnest wall."""
-    from ncgear.solids.plan.walls import walls_mm
+    from ncgear.solids.plan.plan import walls_mm
 
     walls, rack = walls_mm(gear, plan), gear.flanks.rack
     if helical:

@@ -24,7 +24,7 @@ from ncgear.numerics.jet import Jet
 from ncgear.numerics.units import N_PER_KG_MM_S2, RAD_S_PER_RPM
 from ncgear.pitch.shape import Gear, speed
 from ncgear.project.face_load import grades_of
-from ncgear.project.moving_masses import disc_kg_mm2
+from ncgear.project.moving import disc_kg_mm2
 from ncgear.project.service import choices_of, densities_kg_m3
 from ncgear.project.tooth_load import ToothLoad, asked_of
 from ncgear.strength.conditions import GRADE, Running

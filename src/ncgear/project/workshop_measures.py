@@ -10,10 +10,17 @@ import numpy as np
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 from ncgear.metrology.cut_by import CutBy, cut_by
-from ncgear.metrology.pins import SOLD_MM, Pins, nominal_pin_mm, pins_in_spaces, pins_to_try
+from ncgear.metrology.pins import (
+    SOLD_MM,
+    Pins,
+    WorkingFlanks,
+    nominal_pin_mm,
+    pins_in_spaces,
+    pins_to_try,
+    working_flanks,
+)
 from ncgear.metrology.round_tool import RoundTool, round_tool
 from ncgear.metrology.span import MeasuredSpans, spans
-from ncgear.metrology.working import WorkingFlanks, working_flanks
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.geared import Geared

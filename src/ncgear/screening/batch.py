@@ -32,7 +32,7 @@ from ncgear.mechanisms.mechanism import Mechanism, Mechanisms, Output
 from ncgear.mechanisms.resistance import Resistance, TableResistance
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.project.law import load_of, lobes_of
-from ncgear.project.moving_masses import masses_of, stated_inertia, states_inertia
+from ncgear.project.moving import masses_of, stated_inertia, states_inertia
 from ncgear.ratio.transmission import Lobes
 
 STROKE, HARMONIC = "three_segment_stroke", "harmonic_ratio"

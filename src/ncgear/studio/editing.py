@@ -27,7 +27,7 @@ from ncgear.design.rewritten import BREAK, document_of, rewritten
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 from ncgear.project.drive import Drive
-from ncgear.project.in_common import drive_like
+from ncgear.project.opened import drive_like
 
 MOST_STEPS = 500
 """Most steps that can be undone; with texts of some kilobytes they take a megabyte or two."""

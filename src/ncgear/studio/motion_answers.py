@@ -53,7 +53,7 @@ def motion_answers(drive: Drive) -> Iterator[Answer]:
     )
     yield from drawing_of(drive)
     from ncgear.figures.advice.verdict import KnownParts, judged
-    from ncgear.figures.comparison import comparison_rows, comparison_tables
+    from ncgear.figures.summary.check_summary import comparison_rows, comparison_tables
     from ncgear.figures.wished import achieved_lines
     from ncgear.studio.told import drawn_charts, facts, saved, table_data, verdict_data
 

@@ -22,8 +22,8 @@ from ncgear.errors import DesignError
 from ncgear.figures.advice.verdict import KnownParts, judged
 from ncgear.project.alternatives import Changes, changed_drive, is_given
 from ncgear.project.drive import Drive
-from ncgear.project.in_common import drive_like
 from ncgear.project.law import kept_size
+from ncgear.project.opened import drive_like
 from ncgear.project.sizing import FEWEST_TEETH, Accepted, GearRoom, Sized, is_finer, smallest_accepted, stated_inertias
 from ncgear.project.strengthening import SERIES_I_MM, sized
 from ncgear.project.tolerance_limits import TURNING, jamming_of

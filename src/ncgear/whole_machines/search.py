@@ -1,4 +1,7 @@
-"""The search for whole machines: laws first, then gears of the laws that may count, each rated from its file only."""
+"""The search for whole machines: laws first, then gears of the laws that may count, each rated from its file only.
+
+A few machines that none beats are told, far apart, with the differences between them and the recommended one.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from functools import partial
 from math import ceil, inf, pi, sin
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
 
 from ncgear.design.keys.choices import Choices, Process
 from ncgear.design.keys.design import Design
@@ -24,11 +29,70 @@ from ncgear.strength.materials import TABLE, Plastic
 from ncgear.whole_machines.conflict import refusal_of_gears
 from ncgear.whole_machines.gears import GearJob, machine_of
 from ncgear.whole_machines.laws import FoundLaw, LawJob, flywheel_sizes, law_design, laws_of, with_best_lengths
-from ncgear.whole_machines.limits import MachineLimits, ProvenLimits
+from ncgear.whole_machines.limits import MachineLimits, ProvenLimits, WishPrice, wish_prices
 from ncgear.whole_machines.machine import MachineFigures, Unfit, WholeMachine, cost_of, guessed_figures, motor_for
-from ncgear.whole_machines.pareto import far_apart, objectives_of, recommended, undominated
-from ncgear.whole_machines.wish_prices import WishPrice, wish_prices
 from ncgear.workers import finished
+
+Item = TypeVar("Item")
+
+SAME = 1e-3
+"""Relative difference of a figure below which machines count as equal."""
+
+
+def objectives_of(design: Design) -> tuple[str, ...]:
+    """The figures that count, by their names in the file."""
+    choices = design.choices
+    if choices is not None and choices.least is not None:
+        return tuple(choices.least)
+    free = ("driven_flywheel_kg_mm2",) if design.free_flywheel is not None else ()
+    return ("peak_power_w", "gear_volume_mm3", *free)
+
+
+def undominated(items: Sequence[Item], values: Callable[[Item], Sequence[float]]) -> list[Item]:
+    """The items that no other item matches in every figure and beats in one, by SAME of the figure."""
+    table = np.array([values(one) for one in items], dtype=float).reshape(len(items), -1)
+    kept: list[int] = []
+    for row in range(len(items)):
+        others = np.delete(table, row, axis=0)
+        room = SAME * np.abs(table[row])
+        as_good = np.all(others <= table[row] + room, axis=1)
+        better = np.any(others < table[row] - room, axis=1)
+        twin = any(np.all(np.abs(table[one] - table[row]) <= room) for one in kept)
+        if not np.any(as_good & better) and not twin:
+            kept.append(row)
+    return [items[row] for row in kept]
+
+
+def far_apart(items: Sequence[Item], values: Callable[[Item], Sequence[float]], count: int) -> list[Item]:
+    """At most ``count`` items: the best in each figure, the item nearest to all, then the farthest from them."""
+    if len(items) <= count:
+        return list(items)
+    table = np.array([values(one) for one in items], dtype=float)
+    span = np.ptp(table, axis=0)
+    table = (table - table.min(axis=0)) / np.where(span > 0.0, span, 1.0)
+    taken = [int(np.argmin(np.linalg.norm(table, axis=1))), *np.argmin(table, axis=0).tolist()]
+    taken = list(dict.fromkeys(taken))[:count]
+    while len(taken) < count:
+        gap = np.min(np.linalg.norm(table[:, None, :] - table[None, taken, :], axis=2), axis=1)
+        taken.append(int(np.argmax(gap)))
+    return [items[row] for row in sorted(taken)]
+
+
+def recommended(
+    items: Sequence[Item], values: Callable[[Item], Sequence[float]], cost: Callable[[Item], float | None]
+) -> int:
+    """The index of the cheapest item; without costs, the item with the least product of all figures over zero.
+
+    The product does not depend on the unit of a figure, nor on how bad the worst items are.  A figure does not count
+    where it is zero for some item, for example a flywheel that is left out.
+    """
+    costs = [one for item in items if (one := cost(item)) is not None]
+    if len(costs) == len(items):
+        return int(np.argmin(costs))
+    table = np.array([values(one) for one in items], dtype=float)
+    positive = table[:, np.all(table > 0.0, axis=0)]
+    return int(np.argmin(np.log(positive).sum(axis=1)))
+
 
 MORE = 4
 """Number of machines made beyond the wanted number, since some turn out worse than others."""

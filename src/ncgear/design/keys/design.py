@@ -15,8 +15,7 @@ from ncgear.design.keys.drivetrain import Drivetrain
 from ncgear.design.keys.gears import SIZES, Gears
 from ncgear.design.keys.machine import Comparison, Fit, Linkage, NoLinkage, Operation, Output, Resistance
 from ncgear.design.keys.masses import Masses, Simulation
-from ncgear.design.keys.optimize import FlywheelRange, Lengths, Optimize, Range
-from ncgear.design.keys.outline import FollowedOutline
+from ncgear.design.keys.optimize import FlywheelRange, FollowedOutline, Lengths, Optimize, Range
 from ncgear.design.keys.strength import StrengthKeys
 from ncgear.design.keys.tolerances import AssemblyTolerances
 from ncgear.design.laws.base import LawKeys

@@ -46,12 +46,12 @@ from ncgear.figures.advice.verdict import KnownParts, judged
 from ncgear.figures.answers.machine import gear_facts, machine_facts
 from ncgear.figures.balance.parts import balancing_figures
 from ncgear.figures.best_law import figures_summary
-from ncgear.figures.comparison import comparison_rows, comparison_tables
 from ncgear.figures.data_sheet.measured_tables import cut_table
 from ncgear.figures.mended import found_words, tried_words
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.strong import METHODS, life_words
+from ncgear.figures.summary.check_summary import comparison_rows, comparison_tables
 from ncgear.figures.tables import Column, Table, columns_of
 from ncgear.kinematics.check import KinematicCheck, peak_figures
 from ncgear.kinematics.motion import Machine, OutputMotion, sample_angles

@@ -36,10 +36,9 @@ from ncgear.drawings.scene.standing import views
 from ncgear.drawings.solid_pair import solid_view
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.machine import gear_facts, machine_facts
-from ncgear.figures.comparison import comparison_rows, comparison_tables
 from ncgear.figures.data_sheet.sheet import data_sheet
 from ncgear.figures.numbers import shown
-from ncgear.figures.summary.check_summary import names_between
+from ncgear.figures.summary.check_summary import comparison_rows, comparison_tables, names_between
 from ncgear.figures.wished import achieved_lines
 from ncgear.project.drive import Drive
 

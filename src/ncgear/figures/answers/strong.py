@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import radians
-from typing import Literal
+from typing import Any, Literal
 
 from ncgear.design.keys.base import listed
+from ncgear.design.reading.design_file import LoadedDesign
+from ncgear.design.reading.text import whole
+from ncgear.design.rewritten import told_copy
+from ncgear.figures.advice.drivetrain_advice import around
 from ncgear.figures.advice.values import Advice, Kind, Remedy, changed
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.answer import Answer, Fault, Row, faults_of
 from ncgear.figures.answers.machine import gear_rows
-from ncgear.figures.flanks import surfaces_rows, vibration_of_rating, vibration_words
-from ncgear.figures.numbers import shown, teeth_words, to_digits
+from ncgear.figures.flanks import hours_words, surfaces_rows, vibration_of_rating, vibration_words
+from ncgear.figures.numbers import known, shown, teeth_words, to_digits
 from ncgear.figures.quantities import figure, name_of
-from ncgear.figures.sized import parts_that_fail, sized_row
 from ncgear.figures.strong import (
     DECIDING,
     HEADS,
@@ -24,17 +27,24 @@ from ncgear.figures.strong import (
     holding_words,
     jam_words,
     jolts_words,
+    knock_figures,
     knock_words,
+    least_safeties,
+    least_words,
     load_words,
     materials_words,
+    of_weakest,
     rim_words,
+    strength_summary,
     weakest_cells,
 )
-from ncgear.figures.worn import worn_fault, worn_rows
+from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.project.sizing import Sized, may_be_narrower
+from ncgear.project.figures import figures_of
+from ncgear.project.sizing import Sized, may_be_narrower, stated_inertias
 from ncgear.project.strengthening import HELIX_DEG, Rating, largest_thrust_n
 from ncgear.project.worn import Worn
+from ncgear.strength.holding import Damage, worst
 
 HOLD_NOT = "The teeth do not hold: these are under the wanted safety, the weakest first"
 
@@ -181,3 +191,115 @@ def sized_answer(
 
 SIZED = ("teeth", "width, mm", "centres, mm", "diameter, mm", "breakage", "pitting", "weakest")
 """Heads of the smallest gears: sizes, least safeties, the weakest tooth."""
+
+
+def worn_figures(drive: Drive, found: Sequence[Worn]) -> dict[str, Any]:
+    """A section for each time, with the keys of new gears; ``ended`` says why no gears are left."""
+    place = drive.linkage.OUTPUT.place
+    told: dict[str, Any] = {}
+    for one in found:
+        section: dict[str, Any] = {"worn_h": one.hours, "depth_max_mm": one.depth_mm, "backlash_mm": one.backlash_mm}
+        if one.rating is None:
+            section["ended"] = one.why
+        else:
+            free = {f"free_way_{place.ending}": place.factor * one.free} if one.free else {}
+            strength = one.rating.strength
+            least = {f"{damage.value}_safety_min": known(most) for damage, most in least_safeties(strength).items()}
+            section |= free | knock_figures(one.rating.loading.knocks)
+            section |= {"peak_tooth_force_n": strength.peak_pair_n, **least}
+        told[f"after_{round(one.hours)}_h"] = section
+    return {"worn": told}
+
+
+def worn_rows(drive: Drive, found: Sequence[Worn]) -> list[tuple[str, str]]:
+    """The same in a line for each time."""
+    output, rows = drive.linkage.OUTPUT, list[tuple[str, str]]()
+    for one in found:
+        words = f"{to_digits(one.depth_mm, 2)} mm off the flanks, backlash {to_digits(one.backlash_mm, 2)} mm, "
+        if one.rating is None:
+            words += f"no gears any more: {one.why}"
+        else:
+            free, knocks = to_digits(output.place.factor * one.free, 2), knock_words(one.rating.loading.knocks)
+            words += f"{output.name} free by {free} {output.place.text}; up to " if one.free else "up to "
+            words += f"{figure('force_n', one.rating.strength.peak_pair_n)} on one pair of teeth, safety "
+            words += least_words(one.rating.strength) + (f"; knocks {knocks}" if knocks else "")
+        rows.append((f"after {hours_words(one.hours)}", words))
+    return rows
+
+
+def worn_fault(found: Sequence[Worn]) -> list[str]:
+    """When worn gears are under a wanted safety first, and which one; empty where they never are."""
+    for one in found:
+        if one.rating is None:
+            return [f"worn away after {hours_words(one.hours)}: {one.why}"]
+        least = min(one.rating.weakest, key=lambda weak: weak.share)
+        if not least.holds:
+            safety = f"safety {to_digits(least.safety, 3)}, {least.wanted:g} wanted"
+            return [f"worn for {hours_words(one.hours)}, {least.gear.value} gear, {least.damage.words}: {safety}"]
+    return []
+
+
+SUFFIX = "-sized"
+
+
+def sized_row(one: Sized) -> list[str]:
+    """The texts: module, teeth, face width, centre distance, diameter, both safeties, the weakest tooth."""
+    size, weak = one.drive.pitch.size, worst(one.rating.weakest)
+    least = [
+        min((each.safety for each in one.rating.weakest if each.damage is damage), default=None) for damage in Damage
+    ]
+    return [
+        f"{size.module_mm:g}",
+        f"{size.driving_teeth}:{size.driven_teeth}",
+        f"{one.face_width_mm:g}",
+        shown(round(size.center_distance_mm, 2)),
+        shown(round(one.diameter_mm, 1)),
+        *("-" if safety is None else to_digits(safety, 3) for safety in least),
+        f"{weak.gear.value} {weak.tooth}",
+    ]
+
+
+def parts_that_fail(one: Sized) -> list[Advice]:
+    """What of shafts, keys, bearings and couplings around the gears does not hold with them."""
+    if one.drive.design.drivetrain is None:
+        return []
+    return [told for told in around(one.drive) if isinstance(told, Advice) and told.matters]
+
+
+def sized_figures(found: Sequence[Sized], herringbone: Sized | None = None) -> dict[str, Any]:
+    """The smallest gears that hold as plain values whose keys end in their unit, the smallest first.
+
+    Then those with herringbone teeth, if there are any.
+    """
+    first = found[0]
+    design, rating = first.drive.design, first.rating
+    wanted = of_weakest(rating, lambda one: {"safety_wanted": one.wanted})
+    materials = {
+        gear.value: {"material": rating.strength.of(gear).material.name, **wanted[gear.value]} for gear in Gear
+    }
+    return {
+        "design": {"name": design.name, "description": design.description},
+        "load": {"speed_rpm": design.operation.speed_rpm},
+        **materials,
+        "smallest": [_sizes(one) for one in found],
+        **({"herringbone": _sizes(herringbone)} if herringbone else {}),
+    }
+
+
+def _sizes(one: Sized) -> dict[str, Any]:
+    return {
+        **figures_of(one.drive, "module_mm", "teeth_driving", "teeth_driven", "face_width_mm", "center_distance_mm"),
+        "largest_diameter_mm": one.diameter_mm,
+        "strength": strength_summary(one.rating, one.drive),
+        "parts_that_fail": [told.what for told in parts_that_fail(one)],
+        "keys": dict(one.changes),
+    }
+
+
+def sized_design(loaded: LoadedDesign, one: Sized, asked: dict[str, float | str]) -> str:
+    """The text of a design file with other gears and with what was asked for, its name and description saying so."""
+    design = loaded.design
+    chosen = {key: whole(value) if isinstance(value, float) else value for key, value in (asked | one.changes).items()}
+    said = f"Sized: {design.name} with {listed(map(str, changed(chosen)), 'and')}, so that its teeth hold."
+    values = {**chosen, **dict.fromkeys(stated_inertias(design))}
+    return told_copy(loaded, SUFFIX, said, values)

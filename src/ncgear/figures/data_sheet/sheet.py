@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING
 from ncgear.design.keys.gears import PROFILES
 from ncgear.errors import DesignError
 from ncgear.figures.data_sheet.entries import SheetEntry, bodies, of_both, passed_rows, tolerances
-from ncgear.figures.data_sheet.measured_tables import TITLE, band_table, cut_table, pin_tables, span_table
-from ncgear.figures.data_sheet.pitch_table import pitch_table
+from ncgear.figures.data_sheet.measured_tables import TITLE, band_table, cut_table, pin_tables, pitch_table, span_table
 from ncgear.figures.numbers import micrometres, shown, to_digits
 from ncgear.figures.quantities import OF_GEAR, told
 from ncgear.figures.tables import Cells, Table, Value, columns_of, markdown, markdown_text

@@ -15,7 +15,7 @@ from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, powers
 from ncgear.numerics.jet import Jet
-from ncgear.numerics.turn_integral import TurnIntegral, turn_integral
+from ncgear.numerics.quadrature import TurnIntegral, turn_integral
 from ncgear.ratio.laws.over_driven_angle import WIDEST, LogRatioLaw, StagedLaw
 from ncgear.ratio.transmission import Lobes, Transmission
 

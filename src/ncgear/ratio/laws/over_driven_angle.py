@@ -24,7 +24,7 @@ from ncgear.frozen import dataclass
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
-from ncgear.numerics.turn_integral import TurnIntegral
+from ncgear.numerics.quadrature import TurnIntegral
 from ncgear.ratio.transmission import STANDSTILL, Lobes, Pair, PairsInSeries, Piece, Transmission, on_driving_shaft
 
 WIDEST = -log(STANDSTILL)

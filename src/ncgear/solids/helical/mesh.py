@@ -18,8 +18,7 @@ from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad
 from ncgear.solids.helical.helix import Helix
 from ncgear.solids.helical.sections import Sections
 from ncgear.solids.helical.stack import OUTLINE, Stack, close_stacks, falls, middle_section
-from ncgear.solids.mesh.finish import finished
-from ncgear.solids.mesh.pair import GearSolid, SolidPair
+from ncgear.solids.mesh.pair import GearSolid, SolidPair, finished
 from ncgear.solids.mesh.slabs import VOLUME_TOLERANCE, filling, require_sound
 from ncgear.solids.mesh.triangles import TriangleMesh, with_used_vertices
 from ncgear.solids.plan.areas import stl_resolution_mm

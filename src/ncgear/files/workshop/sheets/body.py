@@ -11,8 +11,7 @@ from shapely import LineString, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from ncgear.files.read_back import as_chords
-from ncgear.files.workshop.drawing import Circle, Cross, Layer, Polyline, Shape
-from ncgear.files.workshop.gear_drawing import body_shapes, pitch_points
+from ncgear.files.workshop.drawing import Circle, Cross, Layer, Polyline, Shape, body_shapes, pitch_points
 from ncgear.files.workshop.sheets.sheet import Pen, Ring, SheetLine
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array

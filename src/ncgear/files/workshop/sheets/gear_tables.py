@@ -13,8 +13,7 @@ from ncgear.figures.data_sheet.measured_tables import allowed_texts, one_pin_tab
 from ncgear.figures.data_sheet.sheet import rack_data, rows_found, rows_or_why, sizes
 from ncgear.figures.numbers import drawn
 from ncgear.figures.tables import Table, cell_text
-from ncgear.files.workshop.drawing import Circle, Cross
-from ncgear.files.workshop.gear_drawing import bore_shape
+from ncgear.files.workshop.drawing import Circle, Cross, bore_shape
 from ncgear.files.workshop.sheets import sheet as paper
 from ncgear.files.workshop.sheets.board import Board
 from ncgear.files.workshop.sheets.body import PaperView, drawn_shape

@@ -14,8 +14,7 @@ from ncgear.figures.assembly import outline_radius_mm
 from ncgear.figures.data_sheet.measured_tables import allowed_texts, two_pin_table
 from ncgear.figures.data_sheet.sheet import rows_found
 from ncgear.figures.numbers import drawn
-from ncgear.files.workshop.drawing import Circle, Cross, Layer
-from ncgear.files.workshop.gear_drawing import body_shapes
+from ncgear.files.workshop.drawing import Circle, Cross, Layer, body_shapes
 from ncgear.files.workshop.sheets import sheet as paper
 from ncgear.files.workshop.sheets.board import LENGTHS_MM, Board, centered
 from ncgear.files.workshop.sheets.body import (

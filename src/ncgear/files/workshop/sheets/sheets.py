@@ -20,7 +20,7 @@ from ncgear.drawings.scene.bodies import chamber_of
 from ncgear.drawings.scene.scene import Scene
 from ncgear.drawings.scene.standing import supports_mm
 from ncgear.figures.data_sheet.entries import distance_text, general_text, shafts_below
-from ncgear.figures.data_sheet.pitch_table import pitch_table
+from ncgear.figures.data_sheet.measured_tables import pitch_table
 from ncgear.figures.numbers import drawn
 from ncgear.figures.tables import Table
 from ncgear.files.workshop.drawing import Cross
