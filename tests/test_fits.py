@@ -52,6 +52,6 @@ def test_what_the_file_leaves_out_has_its_default_and_what_it_gives_counts() -> 
     assert other["deviation of the centre distance"] == "\u00b10.04"
     assert other["fit of the bore"] == ("H8 (0 to +0.022)", "H8 (0 to +0.022)")
     assert (other["fit of the index hole"], other["sizes without a tolerance"]) == ("H11", "ISO 2768-c")
-    assert other["roughness Ra of flanks; elsewhere"] == "0.8; 12.5"
+    assert other["roughness Ra, flanks; others"] == "0.8; 12.5"
     # What assemblies are drawn with is what the sheet says.
     assert told({"center_distance_mm": 0.025})["deviation of the centre distance"] == "\u00b10.025"

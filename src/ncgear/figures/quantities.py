@@ -6,10 +6,11 @@ the same figure has the same name, digits and unit wherever it is read.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from math import degrees
 from typing import Any
 
-from ncgear.figures.numbers import MICRORAD, drawn, five_digits, shown, to_digits
+from ncgear.figures.numbers import MICRORAD, drawn, five_digits, placed, shown, to_digits
 from ncgear.numerics.units import label_and_unit
 
 OF_GEAR = {"length": "length of pitch curve", "min radius": "least radius of curvature"}
@@ -122,3 +123,39 @@ def _times(factor: float, value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [_times(factor, item) for item in value]
     return None if value is None else factor * value
+
+
+PLACE = "_at_rad"
+"""End of a key that holds the driving angle at which another key has its extreme value."""
+
+
+def labelled(section: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Label and text of each entry of a section; the text has the value, its unit and its place."""
+    return list(_flattened(section, ""))
+
+
+def _flattened(section: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, str]]:
+    """Label and text of each entry; the label of a nested entry begins with the names of the groups around it.
+
+    ``min_at_rad`` is not an entry of its own: it follows the value of ``min``.
+    """
+    # Driving angles of extreme values, by the label of the value.
+    labels = {label_and_unit(key)[0] for key in section}
+    places = {_owner(key): angle for key, angle in section.items() if _owner(key) in labels}
+    for key, value in section.items():
+        label = label_and_unit(key)[0]
+        if isinstance(value, Mapping):
+            yield from _flattened(value, f"{prefix}{label}, ")
+        elif _owner(key) not in places:
+            yield _labelled_value(key, value, prefix, places.get(label))
+
+
+def _owner(key: str) -> str:
+    """Label of the value whose place this key holds; empty for any other key."""
+    return key.removesuffix(PLACE).replace("_", " ") if key.endswith(PLACE) else ""
+
+
+def _labelled_value(key: str, value: Any, prefix: str = "", place_rad: float | None = None) -> tuple[str, str]:
+    label, text, unit = told(key, value)
+    place = "" if place_rad is None else f" at phi1 = {placed(degrees(place_rad))} deg"
+    return prefix + label, f"{text} {unit}".rstrip() + place

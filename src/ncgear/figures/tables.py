@@ -10,8 +10,8 @@ from typing import NamedTuple
 from ncgear.figures.numbers import drawn
 from ncgear.frozen import dataclass
 
-Value = float | int | str | bool | None
-"""The content of a cell; None leaves it empty."""
+Value = float | int | str | bool | tuple[float, float] | None
+"""The content of a cell: a value, or the least and the greatest one; None leaves it empty."""
 
 Cells = tuple[Value, ...]
 
@@ -82,9 +82,11 @@ class Table:
 
 
 def cell_text(value: Value, unit: str = "") -> str:
-    """A cell for reading: numbers as on a drawing (``numbers.drawn``), nothing for None."""
+    """A cell for reading: numbers as on a drawing (``numbers.drawn``), a range as ``10 to 12``, nothing for None."""
     if value is None:
         return ""
+    if isinstance(value, tuple):
+        return " to ".join(dict.fromkeys(drawn(end, unit) for end in value))
     return drawn(value, unit) if isinstance(value, float) else str(value)
 
 

@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import groupby
-from math import degrees
 from pathlib import Path
 from textwrap import wrap
 from typing import Any
 
 from ncgear.figures.answers.answer import Answer, whole_answer
-from ncgear.figures.numbers import fixed, placed
-from ncgear.figures.quantities import STATISTICS, figure, name_of, told
+from ncgear.figures.numbers import fixed
+from ncgear.figures.quantities import STATISTICS, figure, labelled, name_of, told
 from ncgear.figures.summary.check_summary import comparison_tables
-from ncgear.figures.tables import WIDTH, Table, aligned
-from ncgear.numerics.units import label_and_unit
+from ncgear.figures.tables import WIDTH, aligned
 from ncgear.project.drive import Drive
 
 INDENT = "  "
-
-PLACE = "_at_rad"
-"""End of a key that holds the driving angle at which another key has its extreme value."""
 
 TITLES = {
     "stages": "Stages in series",
@@ -41,10 +36,6 @@ JUDGED = ("warnings", "remarks", "verdict")
 ELSEWHERE = ("comparison", *JUDGED, "timing_s")
 """Keys of figures that are not written as sections."""
 
-NAME_WIDTH = 36
-LEAST_WIDTH = 8
-"""A comparison's first column is at most NAME_WIDTH wide, and each other one at least LEAST_WIDTH."""
-
 
 def verdict_lines(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """Every condition of a verdict, and what was found of it."""
@@ -55,38 +46,6 @@ def verdict_lines(rows: Sequence[Mapping[str, Any]]) -> list[str]:
         remark = f"; remark: {row['remark']}" if row["remark"] else ""
         lines.append(f"  {row['verdict']:10}  {of}{row['says']}{because}{remark}")
     return lines
-
-
-def labelled(section: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Label and text of each entry of a section; the text has the value, its unit and its place."""
-    return list(_flattened(section, ""))
-
-
-def _flattened(section: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, str]]:
-    """Label and text of each entry; the label of a nested entry begins with the names of the groups around it.
-
-    ``min_at_rad`` is not an entry of its own: it follows the value of ``min``.
-    """
-    # Driving angles of extreme values, by the label of the value.
-    labels = {label_and_unit(key)[0] for key in section}
-    places = {_owner(key): angle for key, angle in section.items() if _owner(key) in labels}
-    for key, value in section.items():
-        label = label_and_unit(key)[0]
-        if isinstance(value, Mapping):
-            yield from _flattened(value, f"{prefix}{label}, ")
-        elif _owner(key) not in places:
-            yield _labelled_value(key, value, prefix, places.get(label))
-
-
-def _owner(key: str) -> str:
-    """Label of the value whose place this key holds; empty for any other key."""
-    return key.removesuffix(PLACE).replace("_", " ") if key.endswith(PLACE) else ""
-
-
-def _labelled_value(key: str, value: Any, prefix: str = "", place_rad: float | None = None) -> tuple[str, str]:
-    label, text, unit = told(key, value)
-    place = "" if place_rad is None else f" at phi1 = {placed(degrees(place_rad))} deg"
-    return prefix + label, f"{text} {unit}".rstrip() + place
 
 
 def value_lines(label: str, value: str, width: int) -> list[str]:
@@ -106,28 +65,11 @@ def _marked(start: str, sentences: Sequence[str]) -> list[str]:
 
 def comparison_lines(rows: Sequence[Mapping[str, Any]]) -> list[list[str]]:
     """One block of lines for the mechanisms at equal speed, and one for mechanisms at other speeds."""
-    name_width = max((len(line) for row in rows for line in _name_lines(row["name"])), default=0)
-    return [[table.title, *_compared(table, name_width)] for table in comparison_tables(rows)]
-
-
-def _compared(table: Table, name_width: int) -> list[str]:
-    """The lines of a comparison; long names continue below themselves, and notes are below their rows."""
-    columns, names = table.columns[1:], [_name_lines(str(name)) for name, *_ in table.rows]
-    cells = [
-        ["", *(column.label for column in columns)],
-        ["", *(column.unit for column in columns)],
-        *([name[0], *map(str, row[1:])] for name, row in zip(names, table.rows, strict=True)),
+    return [
+        [table.title, *aligned([*zip(*table.columns, strict=True), *map(table.texts, table.rows)], left=1)]
+        + [f"{INDENT}{name}: {note}" for (name, *_), note in zip(table.rows, table.row_notes, strict=True) if note]
+        for table in comparison_tables(rows)
     ]
-    lines = aligned(cells, left=1, least=[name_width, *[LEAST_WIDTH] * len(columns)])
-    found, indent = lines[:2], " " * 6
-    for name, line, note in zip(names, lines[2:], table.row_notes, strict=True):
-        below = wrap(note, WIDTH, initial_indent=indent, subsequent_indent=indent)
-        found += [line, *(f"{INDENT}{more}" for more in name[1:]), *below]
-    return found
-
-
-def _name_lines(name: str) -> list[str]:
-    return wrap(name, NAME_WIDTH) or [""]
 
 
 def timing_text(drive: Drive) -> str:
@@ -136,7 +78,7 @@ def timing_text(drive: Drive) -> str:
     for pair in (drive, *(pair for pair in drive.by_stage if pair is not drive)):
         taken.update({f"{pair.of}{step}": seconds for step, seconds in pair.timing_s.items()})
     rows = [(step, fixed(seconds, 3)) for step, seconds in {**taken, "sum": sum(taken.values())}.items()]
-    return "\n".join(["Time in s", *aligned(rows, left=1, least=[0, LEAST_WIDTH])])
+    return "\n".join(["Time in s", *aligned(rows, left=1, least=[0, 8])])
 
 
 def written_lines(paths: Sequence[Path], kept: Sequence[Path] = ()) -> list[str]:

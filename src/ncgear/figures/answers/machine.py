@@ -10,9 +10,8 @@ from ncgear.figures.advice.law_advice import speeds
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.answer import COLUMNS, INDENT, Answer, Row, difference, faults_of, in_one_line, row
 from ncgear.figures.numbers import shown, to_digits
-from ncgear.figures.quantities import figure, name_of
+from ncgear.figures.quantities import figure, labelled, name_of
 from ncgear.figures.summary.check_summary import comparison_rows, masses_note, stages_summary
-from ncgear.figures.terminal import labelled
 from ncgear.figures.wished import motion_facts, wish_line, wish_rows
 from ncgear.kinematics.check import peak_figures
 from ncgear.numerics.units import CM3_PER_MM3, label_and_unit

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from math import degrees
 from typing import TYPE_CHECKING, Any
 
 from ncgear.design.keys.tolerances import AssemblyTolerances
 from ncgear.figures.numbers import drawn
+from ncgear.figures.quantities import labelled
 from ncgear.figures.tables import Value, cell_text
 from ncgear.frozen import dataclass
 from ncgear.project.drive import Drive
 from ncgear.project.gear_solids import rim_mm_of
 from ncgear.project.passing import CRANK_PIN
 from ncgear.project.tolerance_limits import Process, tolerances_of
+from ncgear.project.tooth_form import thickness_limits_mm
 from ncgear.tolerances.drawn import MADE_C
 from ncgear.tolerances.iso286 import distance_deviation_mm, hole_text
 
@@ -63,14 +64,13 @@ def tolerances(drive: Drive) -> tuple[SheetEntry, ...]:
         SheetEntry("lead crowning of both gears together", "\u00b5m", pair=lead.crowning_um or None),
         SheetEntry("end relief of both gears together", "\u00b5m", pair=lead.end_relief_um),
         SheetEntry("length of the end relief", "mm", pair=lead.end_relief_length_mm),
-        SheetEntry("lower deviation of tooth thickness", "mm", pair=given.tooth_thickness_lower_mm),
-        SheetEntry("upper deviation of tooth thickness", "mm", pair=given.tooth_thickness_upper_mm),
+        SheetEntry("deviation of tooth thickness", "mm", thickness_limits_mm(gears)),
         SheetEntry("deviation of the centre distance", "mm", pair=distance_text(drive)),
         of_both("fit of the bore", bores),
         SheetEntry("fit of the crank pin's hole", "mm", driven=pinned),
         SheetEntry("fit of the index hole", pair=given.index_hole_fit if gears.index_holes else None),
         SheetEntry("sizes without a tolerance", pair=general_text(drive)),
-        SheetEntry("roughness Ra of flanks; elsewhere", "\u00b5m", pair=f"{given.flank_ra_um:g}; {given.ra_um:g}"),
+        SheetEntry("roughness Ra, flanks; others", "\u00b5m", pair=f"{given.flank_ra_um:g}; {given.ra_um:g}"),
         SheetEntry("note", pair=given.note or None),
     )
     return _given(rows)
@@ -115,14 +115,14 @@ def bodies(drive: Drive) -> tuple[SheetEntry, ...]:
         if gears.index_holes:
             marks = _each(plans, "index_hole")
             rows.append(of_both("diameter of index hole", (x.diameter_mm if x else "no room for one" for x in marks)))
-            rows.append(of_both("centre of index hole, x and y", (x and _place(x) for x in marks)))
+            rows.append(of_both("index hole, x and y", (x and _place(x) for x in marks)))
     stops = (x and f"{_mm(x.pin_mm)}, {_mm(x.radius_mm)}" for x in _each(both, "end_stop"))
     rim = rim_mm_of(gears, drive.rack.module_mm) if drive.pitch.driven.is_ring else None
-    rows.append(of_both("pin of the end stop, diameter, distance from the axis", stops))
+    rows.append(of_both("pin of end stop, diameter, radius", stops))
     rows.append(SheetEntry("rim outside the deepest root", "mm", driven=rim))
     rows.append(SheetEntry("bevel of the edges at z = 0", "mm", gears.first_layer_chamfer_mm or None))
-    kerf = SheetEntry("kerf that drawings allow for, half on each side of the lines", "mm", -2.0 * clearance)
-    rows.append(kerf if clearance < 0.0 else SheetEntry("clearance for the process", "mm", clearance or None))
+    kerf = SheetEntry("kerf in files for cutting", "mm", -2.0 * clearance)
+    rows.append(kerf if clearance < 0.0 else SheetEntry("clearance in files for printing", "mm", clearance or None))
     return _given(rows)
 
 
@@ -166,16 +166,8 @@ def passed_summary(drive: Drive) -> dict[str, Any]:
 
 
 def passed_rows(drive: Drive) -> tuple[SheetEntry, ...]:
-    """The same as rows of the data sheet: distances between middles, the angles, and the widest part that passes."""
-    rows = []
-    for one in drive.passings:
-        name, room = f"{one.part} to {one.standing.name}", one.room_mm
-        rows.append(SheetEntry(f"{name}: least distance of their middles", "mm", pair=one.distance_mm))
-        rows.append(SheetEntry(f"{name}: driving angle there", "deg", pair=degrees(one.phi1_rad)))
-        if room is not None:
-            rows.append(SheetEntry(f"{name}: widest {one.part} that passes", "mm", pair=room if room > 0.0 else "none"))
-        if one.clearance_mm is not None:
-            rows.append(SheetEntry(f"{name}: clearance, under 0 where they meet", "mm", pair=one.clearance_mm))
+    """The same as rows of the data sheet, and what must end below what moves."""
+    rows = [SheetEntry(name, pair=text) for name, text in labelled(passed_summary(drive).get("fit", {}))]
     rows += [SheetEntry(f"{shaft} beside the {part}", pair="must end below it") for part, shaft in shafts_below(drive)]
     return tuple(rows)
 

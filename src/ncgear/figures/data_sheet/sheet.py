@@ -14,7 +14,7 @@ from ncgear.figures.data_sheet.entries import SheetEntry, bodies, of_both, passe
 from ncgear.figures.data_sheet.measured_tables import TITLE, band_table, cut_table, pin_tables, pitch_table, span_table
 from ncgear.figures.numbers import micrometres, shown, to_digits
 from ncgear.figures.quantities import OF_GEAR, told
-from ncgear.figures.tables import Cells, Table, Value, columns_of, markdown, markdown_text
+from ncgear.figures.tables import Cells, Table, Value, cell_text, columns_of, markdown, markdown_text
 from ncgear.frozen import dataclass
 from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.shape import Gear
@@ -129,11 +129,11 @@ def sizes(drive: Drive) -> Iterator[SheetEntry]:
         yield of_both("turn between the end stops", map(degrees, (covered.driving_rad, covered.driven_rad)), "deg")
     yield from _of_pair(drive, "module_mm", "center_distance_mm", "face_width_mm")
     yield of_both(OF_GEAR["length"], map(pitch.length_mm, Gear))
-    section = ", in the section at z = 0" if drive.helix else ""
-    yield from _ends("pitch radius", map(pitch.radius_range_mm, Gear))
+    section = ", z = 0" if drive.helix else ""
+    yield of_both("pitch radius", map(pitch.radius_range_mm, Gear))
     for place, name in enumerate(("tips", "roots")):
         radii = (drive.tooth_radii_mm[gear][place] for gear in Gear)
-        yield from _ends(f"radius of {name}{section}", ((float(one.min()), float(one.max())) for one in radii))
+        yield of_both(f"radius of {name}{section}", ((float(one.min()), float(one.max())) for one in radii))
     yield of_both("greatest radius over all", map(drive.outer_radii_mm.__getitem__, Gear))
     if drive.housing_radii_mm:
         yield of_both("bore of the housing", (2.0 * radius for radius in drive.housing_radii_mm.values()))
@@ -151,13 +151,6 @@ def _kind(curve: PitchCurve) -> str:
     low, high = curve.transmission.ratio_range
     form = "circular" if isclose(low.value, high.value, rel_tol=ROUND) else "non-circular"
     return f"{form}, internal" if curve.is_ring else form
-
-
-def _ends(name: str, ends: Iterable[tuple[float, float]]) -> list[SheetEntry]:
-    return [
-        of_both(f"{word} {name}", both)
-        for word, both in zip(("least", "greatest"), zip(*ends, strict=True), strict=True)
-    ]
 
 
 OF_SHIFTED = "profile shift coefficient of the {0} gear", "thickness on the {0} pitch curve, mm"
@@ -196,30 +189,29 @@ def rack_data(drive: Drive) -> Iterator[SheetEntry]:
     driving, driven = drive.teeth.driving.flanks, drive.teeth.driven.flanks
     pushing, idle = map(degrees, rack.angles_rad)
     if pushing == idle:
-        yield SheetEntry("pressure angle of the rack", "deg", pushing)
+        yield SheetEntry("pressure angle", "deg", pushing)
     else:
         # The driving gear turns counter-clockwise; a pushed flank faces against the driven gear's turning.
         pushed = "clockwise" if drive.pitch.driven.is_ring else "counter-clockwise"
-        yield SheetEntry("pressure angle of the rack, flanks that push", "deg", pushing)
-        yield SheetEntry("pressure angle of the rack, idle flanks", "deg", idle)
+        yield SheetEntry("pressure angle, pushing flanks", "deg", pushing)
+        yield SheetEntry("pressure angle, idle flanks", "deg", idle)
         yield SheetEntry("flanks that push face, seen from the end z > 0", driving="counter-clockwise", driven=pushed)
     given = asked.model_fields_set & {"addendum", "dedendum", "root_radius"}
     # A root radius that is left out is smaller than the profile's where that does not fit.
     smaller = asked.root_radius < PROFILES[asked.profile].root_radius
     departed = ", coefficients as below" if given or smaller else ""
     yield SheetEntry("basic rack of ISO 53", pair=f"profile {asked.profile}{departed}")
-    yield SheetEntry("addendum coefficient", pair=rack.addendum_mm / module)
-    yield SheetEntry("dedendum coefficient", pair=rack.dedendum_mm / module)
-    yield SheetEntry("root radius coefficient", pair=rack.root_radius_mm / module)
+    sizes = (cell_text(size / module) for size in (rack.addendum_mm, rack.dedendum_mm, rack.root_radius_mm))
+    yield SheetEntry("addendum, dedendum, root radius", "modules", ", ".join(sizes))
     if (relief := rack.relief) is None:
         yield SheetEntry("tip relief", pair="none")
     else:
         yield SheetEntry(f"tip relief at {to_digits(relief.full_mm / module, 4)} modules", "mm", relief.amount_mm)
         yield SheetEntry("tip relief begins over the pitch line at", "mm", relief.start_mm)
     if driving.has_own_shifts:
-        yield SheetEntry("profile shift coefficient", pair="of each tooth, see its table")
+        yield SheetEntry("profile shift", pair="of each tooth, see its table")
     else:
-        yield of_both("profile shift coefficient", (one.rack.shift_mm / module for one in (driving, driven)), "")
+        yield of_both("profile shift", (one.rack.shift_mm / module for one in (driving, driven)), "modules")
     yield from _of_pair(drive, "backlash_mm", "backlash_max_mm")
     if drive.play.thicker_mm == 0.0:
         yield from _of_pair(drive, "play_rad")
@@ -230,7 +222,7 @@ def rack_data(drive: Drive) -> Iterator[SheetEntry]:
         yield SheetEntry("helix angle", "deg", 0.0)
     else:
         hands, kind = (helix.hand, *({"right", "left"} - {helix.hand})), "herringbone, at z = 0 " * helix.herringbone
-        yield SheetEntry("helix angle at the pitch curve", "deg", degrees(helix.angle_rad))
+        yield SheetEntry("helix angle", "deg", degrees(helix.angle_rad))
         yield of_both("hand of helix", (f"{kind}{hand}" for hand in hands), "")
     by_itself = drive.teeth.cutter is CutterKind.RACK and driving.has_own_shifts
     yield SheetEntry("cutter", pair="rack, each space by itself" if by_itself else CUTTERS[drive.teeth.cutter])
@@ -245,7 +237,7 @@ def tooth_data(drive: Drive) -> Iterator[SheetEntry]:
     undercut = (_with_amount(one.undercut, undercutting, one) for one in both)
     yield of_both("teeth that a tool of full depth undercuts", undercut, "")
     yield of_both("teeth with shortened tips", map(_shortened, both), "")
-    section = ", in the section at z = 0" if drive.helix else ""
+    section = ", z = 0" if drive.helix else ""
     without = f"{section}, without load" if drive.designed_contact.held_apart else section
     yield from _of_pair(drive, "contact_ratio_mean", "contact_ratio_min", after=without)
     if drive.pairs_under_load is not None:

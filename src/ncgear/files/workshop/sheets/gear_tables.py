@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 from math import radians
 
@@ -30,31 +30,13 @@ DATA = ColumnWidths((44.0, 35.0), (False, False))
 DETAIL_MM, GAP_MM = 42.0, 2.0
 """Height of the view of the bore, and the gap between tables."""
 
-SHORTER = {
-    "pressure angle of the rack": "pressure angle",
-    "pressure angle of the rack, flanks that push": "pressure angle, pushing flanks",
-    "pressure angle of the rack, idle flanks": "pressure angle, idle flanks",
-    "pin of the end stop, diameter, distance from the axis": "pin of end stop, diameter, radius",
-    "helix angle at the pitch curve": "helix angle",
-    "kerf that drawings allow for, half on each side of the lines": "kerf in files for cutting",
-    "clearance for the process": "clearance in files for printing",
-    "roughness Ra of flanks; elsewhere": "roughness Ra, flanks; others",
-    "centre of index hole, x and y": "index hole, x and y",
-    **{
-        f"{end} radius of {place}, in the section at z = 0": f"{end} radius of {place}, z = 0"
-        for end in ("least", "greatest")
-        for place in ("tips", "roots")
-    },
-}
-"""Labels with a shorter form on paper."""
-
 LEFT_OUT = {
     *("bore", "diameter of index hole", "tip relief", "fit of the bore", "fit of the index hole"),
     *("deviation of the centre distance", "sizes without a tolerance"),
 }
 """Rows of the data sheet that the sheet has elsewhere or does not need."""
 
-NOTHING = ("helix angle", "0")
+NOTHING = ("helix angle", 0.0)
 """A row that is left out: it tells nothing."""
 
 
@@ -78,8 +60,7 @@ def gear_tables(drive: Drive, measured: GearMeasures, plan: BodyPlan, pitch_radi
 def _data(drive: Drive, gear: Gear, height_mm: float) -> PaperTable:
     """The rows of the data sheet that belong to the gear, as many as there is room for."""
     groups = [rows_or_why(partial(rows, drive)) for rows in (sizes, rack_data, tolerances, bodies)]
-    found = [row for group in groups for entry in group if (row := _row(entry, gear))]
-    rows = _coefficients(_least_and_greatest(found))
+    rows = [row for group in groups for entry in group if (row := _row(entry, gear))]
     if drive.helix is not None:
         rows.append(("measured in the section z", f"{drawn(drive.helix.rise_mm / 2.0, 'mm')} mm"))
     while len(rows) > 1:
@@ -93,39 +74,9 @@ def _data(drive: Drive, gear: Gear, height_mm: float) -> PaperTable:
 def _row(entry: SheetEntry, gear: Gear) -> tuple[str, str] | None:
     """Label and value of an entry for the gear."""
     value = entry.pair if entry.of_pair else entry.driving if gear is Gear.DRIVING else entry.driven
-    label = SHORTER.get(entry.label, entry.label)
-    if value is None or label in LEFT_OUT:
+    if value is None or entry.label in LEFT_OUT or (entry.label, value) == NOTHING:
         return None
-    text = cell_text(value, entry.unit)
-    if (label, text) == NOTHING:
-        return None
-    return label, f"{text} {entry.unit}".strip()
-
-
-def _least_and_greatest(rows: Sequence[tuple[str, str]]) -> list[tuple[str, str]]:
-    """The rows, with the least and the greatest value of a size in one row, and its lower and upper deviation, too."""
-    found: list[tuple[str, str]] = []
-    for label, value in rows:
-        pairs = ((label.removeprefix(high), low) for low, high in (("least ", "greatest "), ("lower ", "upper ")))
-        name = next((name for name, low in pairs if name != label and found and found[-1][0] == low + name), None)
-        if name is None:
-            found.append((label, value))
-            continue
-        least, unit = found[-1][1], value.rpartition(" ")[2]
-        found[-1] = (name, value if least == value else f"{least.removesuffix(f' {unit}')} to {value}")
-    return found
-
-
-COEFFICIENT = " coefficient"
-
-
-def _coefficients(rows: Sequence[tuple[str, str]]) -> list[tuple[str, str]]:
-    """The rows, with all coefficients in one."""
-    chosen = [(label.removesuffix(COEFFICIENT), value) for label, value in rows if label.endswith(COEFFICIENT)]
-    names, values = (", ".join(texts) for texts in zip(*chosen, strict=True))
-    found = [row for row in rows if not row[0].endswith(COEFFICIENT)]
-    first = next(place for place, (label, _) in enumerate(rows) if label.endswith(COEFFICIENT))
-    return [*found[:first], (f"{names}, in modules", values), *found[first:]]
+    return entry.label, f"{cell_text(value, entry.unit)} {entry.unit}".strip()
 
 
 def _pitch(drive: Drive, gear: Gear, pitch_radii: Table, height_mm: float) -> PaperTable:
