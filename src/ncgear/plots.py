@@ -21,12 +21,7 @@ from ncgear.drawings.charts.chart import Chart
 from ncgear.drawings.charts.drawer import CONTACT_LOOK, MOTION_LOOK, Look, angle_scale, draw
 from ncgear.drawings.charts.slider_charts import Quantity
 from ncgear.drawings.pictures import assembled_pitch_curves, assembled_teeth, positions_at, slider_chart
-from ncgear.drawings.plots.assembled_pair import (
-    ZOOM_IN_MODULES,
-    draw_mesh,
-    draw_pitch_curves,
-    draw_whole,
-)
+from ncgear.drawings.plots.assembled_pair import ZOOM_IN_MODULES, draw_mesh, draw_pitch_curves, draw_whole
 from ncgear.errors import WrongInput
 from ncgear.figures.side_by_side import SideBySide
 from ncgear.files.side_by_side import draw_side_by_side

@@ -141,10 +141,7 @@ def _through(
 
 
 def _through_cluster(
-    client: Any,
-    function: Callable[[list[Task]], tuple[float, list[Result]]],
-    tasks: Iterator[Task],
-    left: float,
+    client: Any, function: Callable[[list[Task]], tuple[float, list[Result]]], tasks: Iterator[Task], left: float
 ) -> Iterator[tuple[Task, Result]]:
     """Results of tasks on a cluster, which replaces its own processes; ``left`` is the number of tasks to hand out."""
     from distributed import as_completed

@@ -50,8 +50,7 @@ def schema(
     vscode: Annotated[
         Path | None,
         typer.Option(
-            metavar="FOLDER",
-            help="Write the schemas of all kinds into .vscode of a folder, named in its settings.",
+            metavar="FOLDER", help="Write the schemas of all kinds into .vscode of a folder, named in its settings."
         ),
     ] = None,
 ) -> None:
@@ -91,9 +90,7 @@ def _into_settings(folder: Path) -> None:
     )
 
 
-def freecad(
-    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the macro.")] = Path(),
-) -> None:
+def freecad(out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the macro.")] = Path()) -> None:
     """Write the macro for FreeCAD, which shows both gears of a design file and their pitch curves, and follows it."""
     from ncgear.files.freecad import MACRO, macro
     from ncgear.files.one_file import put_in_place

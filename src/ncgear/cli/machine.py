@@ -72,8 +72,7 @@ def build(
     kinds: Annotated[
         list[Format] | None,
         typer.Option(
-            "--format",
-            help="Files for the workshop, may be given again; left out: all but step, which needs an extra.",
+            "--format", help="Files for the workshop, may be given again; left out: all but step, which needs an extra."
         ),
     ] = None,
     report: Annotated[

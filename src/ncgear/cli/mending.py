@@ -22,8 +22,7 @@ if TYPE_CHECKING:
 OPTION = "--mend"
 
 Mend = Annotated[
-    bool,
-    typer.Option(OPTION, help="Where the teeth are refused, take the least change that makes them, and say so."),
+    bool, typer.Option(OPTION, help="Where the teeth are refused, take the least change that makes them, and say so.")
 ]
 
 MakeTeeth = Annotated[

@@ -125,13 +125,7 @@ def frontier(
                 over = over_flywheels(loaded.design, points, on_law)
             run = publish_run(folder, flywheel_files(over, loaded.design), "frontier")
             told = flywheel_answer(over, loaded.design)
-            tell(
-                told,
-                flywheel_figures(over, loaded.design),
-                as_json=as_json,
-                verbose=verbose,
-                run=run,
-            )
+            tell(told, flywheel_figures(over, loaded.design), as_json=as_json, verbose=verbose, run=run)
             return
         with counted("points") as on_point:
             found = frontier_of(loaded.design, points, folder, on_point, scheduler, processes)

@@ -141,8 +141,7 @@ def measured(
         typer.Option(metavar="MM", min=0.0, max=50.0, help="Radius of the probe's ball where points are its centres."),
     ] = 0.0,
     stage: Annotated[
-        int | None,
-        typer.Option(metavar="N", min=1, help="Which of several pairs of gears in series was measured."),
+        int | None, typer.Option(metavar="N", min=1, help="Which of several pairs of gears in series was measured.")
     ] = None,
     out: Annotated[Path | None, folder_option("-measured")] = None,
     as_json: AsJson = False,

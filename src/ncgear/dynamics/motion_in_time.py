@@ -317,11 +317,7 @@ class _Step:
 
 
 def _leg(
-    machine: ToothedMachine,
-    change: Change,
-    start: _Step,
-    ends: tuple[float, float],
-    how: tuple[float, str],
+    machine: ToothedMachine, change: Change, start: _Step, ends: tuple[float, float], how: tuple[float, str]
 ) -> list[_Step]:
     """The solver's steps up to the next stop of the load, or to the final time or driving angle."""
     from scipy import integrate

@@ -218,11 +218,7 @@ class KnockingTrain:
         inertia, half, impacts = self.between, 0.5 * step_s, [one.meshing.impact for one in self.pairs]
         met, every = (list[tuple[int, float]](), list[tuple[int, float]]()), list[tuple[float, float, float, float]]()
         rows = zip(
-            *pairs,
-            along.slope[part].tolist(),
-            along.driven[part].tolist(),
-            *along.asked[:, part].tolist(),
-            strict=True,
+            *pairs, along.slope[part].tolist(), along.driven[part].tolist(), *along.asked[:, part].tolist(), strict=True
         )
         later_s = [step_s * (step + 1 - HELD / 2) for step in range(HELD)]
         n1 = n2 = m1 = m2 = r2 = None

@@ -21,11 +21,7 @@ if TYPE_CHECKING:
     from ncgear.project.vibration import SpeedSweep, ToldVibration
     from ncgear.strength.surfaces import ContactValue, Film, Surfaces
 
-REGIMES = {
-    Regime.FULL: "full film",
-    Regime.MIXED: "mixed lubrication",
-    Regime.BOUNDARY: "boundary lubrication",
-}
+REGIMES = {Regime.FULL: "full film", Regime.MIXED: "mixed lubrication", Regime.BOUNDARY: "boundary lubrication"}
 """The words for a regime."""
 
 NOT_JUDGED = "not judged"
@@ -78,11 +74,7 @@ def surfaces_figures(found: Surfaces) -> dict[str, Any]:
 
 
 def _at(name: str, place: ContactValue) -> dict[str, Any]:
-    return {
-        f"{name}_at_rad": place.phi1_rad,
-        "driving_tooth": place.driving_tooth,
-        "driven_tooth": place.driven_tooth,
-    }
+    return {f"{name}_at_rad": place.phi1_rad, "driving_tooth": place.driving_tooth, "driven_tooth": place.driven_tooth}
 
 
 MUCH_PLAY = 0.25

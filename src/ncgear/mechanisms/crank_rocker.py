@@ -262,9 +262,7 @@ class CrankRocker(CrankRockers[float], Mechanism):
             )
         columns = {name: np.array([value]) for name, value in lengths.items()}
         found = zeros_between(
-            lambda crank: cls.many(crank_mm=crank, **columns).stroke_mm - stroke_mm,
-            np.zeros(1),
-            np.array([longest]),
+            lambda crank: cls.many(crank_mm=crank, **columns).stroke_mm - stroke_mm, np.zeros(1), np.array([longest])
         )
         return cls(float(found[0]), **lengths)
 
@@ -286,15 +284,9 @@ class CrankRocker(CrankRockers[float], Mechanism):
         twice = 2.0 * self.crank_mm * self.ground_mm
         whole, joined = self.crank_mm + self.ground_mm, self.coupler_mm + self.rocker_mm
         apart, less = self.ground_mm - self.crank_mm, self.coupler_mm - self.rocker_mm
-        excess = {
-            pi: (joined - whole) * (joined + whole) / twice,
-            0.0: (apart - less) * (apart + less) / twice,
-        }
+        excess = {pi: (joined - whole) * (joined + whole) / twice, 0.0: (apart - less) * (apart + less) / twice}
         return tuple(
-            (
-                float(self.side * (self._start_rad - theta) % (2.0 * pi)),
-                float(2.0 * np.arcsinh(np.sqrt(0.5 * one))),
-            )
+            (float(self.side * (self._start_rad - theta) % (2.0 * pi)), float(2.0 * np.arcsinh(np.sqrt(0.5 * one))))
             for theta, one in excess.items()
         )
 
@@ -349,10 +341,7 @@ class CrankRocker(CrankRockers[float], Mechanism):
         links = self.links(crank_angle)
         own = masses.rocker_inertia_kg_mm2 - masses.rocker_kg * masses.rocker_center_mm**2
         rocker = MovingMass(
-            masses.rocker_kg,
-            self._on_rocker(links["rocker"], masses.rocker_center_mm),
-            links["rocker"].angle,
-            own,
+            masses.rocker_kg, self._on_rocker(links["rocker"], masses.rocker_center_mm), links["rocker"].angle, own
         )
         center = self._on_coupler(links["coupler"].origin, links["rocker"].origin, masses.coupler_center_mm)
         return rocker, MovingMass(masses.coupler_kg, center, links["coupler"].angle, masses.coupler_inertia_kg_mm2)

@@ -297,12 +297,7 @@ def sized_pair(
         return _open_pair(transmission, covered, (teeth, module_mm, center_distance_mm), reach_in_pitches)
     arc = arc_length(transmission, mesh)
     size = solved_size(
-        transmission.lobes.driving * arc.period,
-        transmission.lobes,
-        teeth,
-        module_mm,
-        center_distance_mm,
-        by_law=by_law,
+        transmission.lobes.driving * arc.period, transmission.lobes, teeth, module_mm, center_distance_mm, by_law=by_law
     )
     refuse_many_teeth(size.driving_teeth)
     pair = PitchPair(transmission, arc, size, mesh)

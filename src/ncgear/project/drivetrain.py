@@ -102,11 +102,7 @@ class DrivetrainResult:
 
 
 def drivetrain_of(
-    design: Design,
-    rigid: Rigid,
-    touching: TouchingTeeth | None,
-    knocking: KnockingMachine | None,
-    jam: Jam | None,
+    design: Design, rigid: Rigid, touching: TouchingTeeth | None, knocking: KnockingMachine | None, jam: Jam | None
 ) -> DrivetrainResult:
     """The drivetrain of a design that has the section; ``touching`` is None where the teeth are helical.
 

@@ -206,10 +206,7 @@ def refusal_of_teeth(drive: Drive) -> DesignError | None:
 
 
 def searched(
-    drive: Drive,
-    refusal: DesignError,
-    on_trial: OnTrial = lambda done, total: None,
-    seconds: float = MOST_SECONDS,
+    drive: Drive, refusal: DesignError, on_trial: OnTrial = lambda done, total: None, seconds: float = MOST_SECONDS
 ) -> Mending:
     """The least change with which refused teeth can be made; among equal changes the change with most contact."""
     every = list(ways(drive))

@@ -43,10 +43,7 @@ from ncgear.project.tooth_form import reach_in_pitches
 
 Function = Callable[[Any], Any]
 
-KEYS = {
-    "ratio_expression": ("ratio", "driven_angle"),
-    "table": ("ratio", "displacement_mm", "displacement_deg"),
-}
+KEYS = {"ratio_expression": ("ratio", "driven_angle"), "table": ("ratio", "displacement_mm", "displacement_deg")}
 """The keys of each law that can be a function."""
 
 FEWEST, MOST = 64, 1024

@@ -572,8 +572,7 @@ class _Search:
     def nearest(self, teeth: int, module_mm: float) -> Sized:
         """Among the gears with the most similar number of teeth and then module, the gears computed last."""
         return min(
-            reversed(self.computed),
-            key=lambda one: (abs(log(one.teeth / teeth)), abs(log(one.module_mm / module_mm))),
+            reversed(self.computed), key=lambda one: (abs(log(one.teeth / teeth)), abs(log(one.module_mm / module_mm)))
         )
 
 

@@ -211,11 +211,7 @@ def _closed(request: StrokeRequests[Number]) -> StrokeRequests[Number]:
     if request.law_speed_rad_s is None:
         return replace(request, law_speed_rad_s=1.0 / _closing_period(request, per_v1, per_v2, per_a1))
     omega = request.law_speed_rad_s
-    factors = {
-        "v1": per_v1 / omega,
-        "v2": per_v2 / omega,
-        "a1": per_a1 / _a1_speed(request, omega) ** 2,
-    }
+    factors = {"v1": per_v1 / omega, "v2": per_v2 / omega, "a1": per_a1 / _a1_speed(request, omega) ** 2}
     given = {name: getattr(request, name) for name in factors}
     known = sum(factor * given[name] for name, factor in factors.items() if given[name] is not None)
     if request.stroke_mm is None:

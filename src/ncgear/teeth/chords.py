@@ -99,12 +99,7 @@ class _Chords(Columns):
         (left, right), (left_slope, right_slope) = (as_complex(p).T for p in stretch.at(whole.row[:, None], middles))
         first = replace(whole, high=half, middle=left, end=whole.middle, middle_slope=left_slope)
         second = replace(
-            whole,
-            low=half,
-            start=whole.middle,
-            middle=right,
-            start_slope=whole.middle_slope,
-            middle_slope=right_slope,
+            whole, low=half, start=whole.middle, middle=right, start_slope=whole.middle_slope, middle_slope=right_slope
         )
         kept = np.delete(np.arange(self.row.size), cut)
         order = np.argsort(np.concatenate([kept, cut, cut]), kind="stable")

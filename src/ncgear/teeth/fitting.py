@@ -78,13 +78,7 @@ def _fitted_to_cutter(
 
 
 def _tips_in(
-    own: Flanks,
-    mate: Flanks,
-    mates: Mates,
-    undercut: Mask,
-    mate_undercut: Mask,
-    limits: TipLimits,
-    clearance: float,
+    own: Flanks, mate: Flanks, mates: Mates, undercut: Mask, mate_undercut: Mask, limits: TipLimits, clearance: float
 ) -> Tips:
     """Tips that leave the clearance to the mate's roots and touch no deeper than the mate's flanks go."""
     contact = _least(own.count, mates, mate.flank_depth_mm)

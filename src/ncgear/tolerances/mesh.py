@@ -291,12 +291,7 @@ class _Side:
 
 
 def _side(
-    gear: ToothedGear,
-    flank: IndexArray,
-    found: Contacts,
-    placement: Placement,
-    outwards: ComplexArray,
-    arm_mm: Array,
+    gear: ToothedGear, flank: IndexArray, found: Contacts, placement: Placement, outwards: ComplexArray, arm_mm: Array
 ) -> _Side:
     """The action at each place; ``outwards`` is the normal out of the gear, in the gear's frame, with its ``arm_mm``.
 

@@ -331,10 +331,7 @@ def needed_without(text: str, key: str) -> NeededPower:
 
 
 def wish_prices(
-    one: WholeMachine,
-    on_law: Callable[[int, int], None],
-    scheduler: str | None = None,
-    processes: int | None = None,
+    one: WholeMachine, on_law: Callable[[int, int], None], scheduler: str | None = None, processes: int | None = None
 ) -> tuple[WishPrice, ...]:
     """The price of each wish and limit of a machine, the highest first; ``on_law`` takes numbers done and in all."""
     keys = ["", *wish_keys(one.text)]

@@ -125,10 +125,7 @@ class Gearbox(Model):
 class DrivetrainMotor(Model):
     """The motor, at its own shaft: its ratings, and the fall of its torque with its speed."""
 
-    RULES = (
-        "no_load_speed_rpm > rated_speed_rpm",
-        "peak_torque_n_m >= rated_torque_n_m",
-    )
+    RULES = ("no_load_speed_rpm > rated_speed_rpm", "peak_torque_n_m >= rated_torque_n_m")
 
     rated_torque_n_m: Positive = required("torque in N m that it gives for ever")
     rated_speed_rpm: Speed = required("speed in r/min at which it gives it")

@@ -180,10 +180,7 @@ MOST_TURNS = 100.0
 class Friction(Model):
     """Coulomb's friction with a coefficient that depends on the sliding speed."""
 
-    RULES = (
-        "static >= dynamic",
-        "dynamic_speed_mm_s > static_speed_mm_s",
-    )
+    RULES = ("static >= dynamic", "dynamic_speed_mm_s > static_speed_mm_s")
 
     static: float = optional("coefficient at rest", 0.08, ge=0.0, le=2.0)
     dynamic: float = optional("coefficient in motion", 0.05, ge=0.0, le=2.0)

@@ -6,18 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field
 
-from ncgear.design.keys.base import (
-    Faults,
-    Length,
-    Model,
-    Place,
-    Positive,
-    Speed,
-    fault,
-    given,
-    optional,
-    required,
-)
+from ncgear.design.keys.base import Faults, Length, Model, Place, Positive, Speed, fault, given, optional, required
 from ncgear.design.keys.masses import Inertia
 from ncgear.design.keys.pitch_shapes import BSpline, DrawnPoints, DxfContour, PictureContour, SvgContour, drawn_points
 from ncgear.design.words import listed
@@ -209,10 +198,7 @@ class Optimize(Model):
 
     def _faults(self) -> Faults:
         if self.goal == "weighted" and self.weights is None:
-            yield fault(
-                "weights",
-                "missing; give it: a weighted goal needs the figures that count alike",
-            )
+            yield fault("weights", "missing; give it: a weighted goal needs the figures that count alike")
         if self.goal != "weighted" and self.weights is not None:
             yield fault("weights", f"given, but the goal is {self.goal}; leave weights out, or goal: weighted")
 

@@ -54,10 +54,7 @@ class SplineRatio(LawKeys):
 
     CHOICE = "the ratio as a smooth curve over the driven angle"
     BEGINS = Begins.POINTS
-    EXAMPLES: ClassVar[dict[str, str]] = {
-        "driven_angle_rad": "[0, 1.5, 3, 4.5]",
-        "driven_angle_pi": "[0, 0.5, 1, 1.5]",
-    }
+    EXAMPLES: ClassVar[dict[str, str]] = {"driven_angle_rad": "[0, 1.5, 3, 4.5]", "driven_angle_pi": "[0, 0.5, 1, 1.5]"}
     RULES = ("second_stage.ratio as many as ratio",)
 
     ratio: Ratios = required(

@@ -246,8 +246,7 @@ class ThreeSegmentStroke(LawKeys):
             if wrong != right and getattr(self, wrong) is not None:
                 does = "turns" if output.angular else "slides"
                 raise WrongInput(
-                    f"given, but the {output.name} of {mechanism.NAME} {does}; {right} is right",
-                    key=f"motion.{wrong}",
+                    f"given, but the {output.name} of {mechanism.NAME} {does}; {right} is right", key=f"motion.{wrong}"
                 )
 
 

@@ -23,14 +23,7 @@ from ncgear.drawings.page.data import paces, page_data
 from ncgear.drawings.page.motion_charts import motion_charts
 from ncgear.drawings.page.page_charts import gear_charts
 from ncgear.drawings.page.scene_svg import scene_svg
-from ncgear.drawings.page.tables import (
-    ToothLinks,
-    contact_tables,
-    sheet_tables,
-    strength_tables,
-    typeset,
-    versions,
-)
+from ncgear.drawings.page.tables import ToothLinks, contact_tables, sheet_tables, strength_tables, typeset, versions
 from ncgear.drawings.scene.scene import scene_of
 from ncgear.drawings.scene.standing import views
 from ncgear.drawings.solid_pair import solid_view

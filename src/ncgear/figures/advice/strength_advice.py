@@ -17,14 +17,7 @@ from ncgear.project.alternatives import may_be_helical
 from ncgear.project.drive import Drive
 from ncgear.project.rough_strength import RoughStrength, beside_refusal, rough_damage, rough_strength
 from ncgear.project.service import choices_of
-from ncgear.project.strengthening import (
-    MOST_TEETH,
-    SERIES_I_MM,
-    WIDEST_MODULES,
-    Rating,
-    deciding_loads,
-    known_rating,
-)
+from ncgear.project.strengthening import MOST_TEETH, SERIES_I_MM, WIDEST_MODULES, Rating, deciding_loads, known_rating
 from ncgear.project.vibration import ToldVibration
 from ncgear.strength.film import Regime
 from ncgear.strength.holding import Damage, face_width_factor, module_factor, worst
@@ -261,10 +254,7 @@ def _scuffing(film: Film, found: Surfaces, safety: float, wanted: float) -> Advi
         f"the flanks scuff: contacts reach {fixed(film.hottest_c, 0)} deg C at {place_words(film.flash_k)}, and the "
         f"oil fails at {fixed(found.scuffing_c or 0.0, 0)} deg C, a safety of {told} and {wanted:g} wanted",
         "flanks weld and tear where they slide under load, at once",
-        (
-            Remedy("take an oil of a higher FZG load stage", short="an oil of a higher FZG load stage"),
-            LARGER_GEARS,
-        ),
+        (Remedy("take an oil of a higher FZG load stage", short="an oil of a higher FZG load stage"), LARGER_GEARS),
         brief=f"the flanks scuff: safety {told}, {wanted:g} wanted",
     )
 

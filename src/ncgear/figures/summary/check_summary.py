@@ -146,11 +146,7 @@ def check_summary(drive: Drive, verdict: Verdict | None = None) -> dict[str, Any
 
 def verdict_summary(verdict: Verdict) -> dict[str, Any]:
     """The verdict in full: warnings and remarks as sentences, and a row for each condition."""
-    return {
-        "warnings": verdict.lines(matter=True),
-        "remarks": verdict.lines(matter=False),
-        "verdict": verdict.table,
-    }
+    return {"warnings": verdict.lines(matter=True), "remarks": verdict.lines(matter=False), "verdict": verdict.table}
 
 
 def _drive(drive: Drive) -> dict[str, Any]:

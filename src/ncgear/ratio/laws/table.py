@@ -99,8 +99,7 @@ def _strokes(phi1: Array, displacement: Array, linkage: Mechanism, key: str) -> 
     unit, told = linkage.OUTPUT.place.text, linkage.OUTPUT.place.factor * displacement
     if phi1[0] != 0.0 or abs(displacement[0]) > near:
         raise WrongInput(
-            f"the first point is ({phi1[0]:g} rad, {told[0]:g} {unit}); it must be (0, 0), the retracted end",
-            key=key,
+            f"the first point is ({phi1[0]:g} rad, {told[0]:g} {unit}); it must be (0, 0), the retracted end", key=key
         )
     if abs(displacement[top] - stroke) > near:
         raise WrongInput(

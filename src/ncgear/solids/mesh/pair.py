@@ -165,24 +165,14 @@ class SolidPair(Shown):
 
 
 def gear_solid(
-    gear: Gear,
-    outline_mm: Array,
-    blank: Blank,
-    module_mm: float,
-    chord_tolerance_mm: float,
-    mesh: Mesh = Mesh.EXTERNAL,
+    gear: Gear, outline_mm: Array, blank: Blank, module_mm: float, chord_tolerance_mm: float, mesh: Mesh = Mesh.EXTERNAL
 ) -> GearSolid:
     """A gear, not a ring, with everything that its blank asks for; raises as ``planned`` and ``solid_of_plan`` do."""
     return solid_of_plan(gear_plan(gear, outline_mm, blank, module_mm, chord_tolerance_mm, mesh))
 
 
 def gear_plan(
-    gear: Gear,
-    outline_mm: Array,
-    blank: Blank,
-    module_mm: float,
-    chord_tolerance_mm: float,
-    mesh: Mesh = Mesh.EXTERNAL,
+    gear: Gear, outline_mm: Array, blank: Blank, module_mm: float, chord_tolerance_mm: float, mesh: Mesh = Mesh.EXTERNAL
 ) -> BodyPlan:
     """The body of a gear that is not a ring; raises as ``planned`` does."""
     direction, key = meeting_direction_rad(gear, mesh), f"gears.{gear.value}"

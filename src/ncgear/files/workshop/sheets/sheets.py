@@ -26,14 +26,7 @@ from ncgear.figures.tables import Table
 from ncgear.files.workshop.drawing import Cross
 from ncgear.files.workshop.sheets import sheet as paper
 from ncgear.files.workshop.sheets.board import Board
-from ncgear.files.workshop.sheets.body import (
-    PaperView,
-    drawn_body,
-    drawn_holes,
-    drawn_shape,
-    finished,
-    material_of,
-)
+from ncgear.files.workshop.sheets.body import PaperView, drawn_body, drawn_holes, drawn_shape, finished, material_of
 from ncgear.files.workshop.sheets.frame import (
     TITLE_HEIGHT_MM,
     TITLE_WIDTH_MM,
