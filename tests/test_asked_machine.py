@@ -12,7 +12,7 @@ import pytest
 from at_once import at_once
 from commands import Run
 from ncgear.cli import new
-from ncgear.design.asked_machine import QUESTIONS, asked_text, fault_of_answer, likely_answers
+from ncgear.design.beginning import QUESTIONS, asked_text, fault_of_answer, likely_answers
 from ncgear.design.template import MachineName, machine_template
 from ncgear.project.drive import Drive
 from ncgear.project.opened import load, loads

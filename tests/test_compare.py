@@ -20,7 +20,7 @@ from drives import DESIGNS, drive
 from ncgear.errors import WrongInput
 from ncgear.figures.summary.check_summary import check_summary
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.traced import NotTraced, formula_of
+from ncgear.numerics.formula import NotTraced, formula_of
 from ncgear.project.opened import DIED, _decay
 
 pytestmark = pytest.mark.judges("design")

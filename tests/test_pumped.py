@@ -12,8 +12,8 @@ from at_once import at_once
 from drives import built, drive, drive_of_text
 from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array
+from ncgear.pitch.chambers import Pumped, pumped
 from ncgear.pitch.pair import PitchPair
-from ncgear.pitch.pumped import Pumped, pumped
 from ncgear.pitch.shape import Gear
 
 WIDTH = 25.0

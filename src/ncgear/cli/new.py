@@ -126,9 +126,8 @@ def _write_asked(
     yes: bool,
 ) -> None:
     """Write a file for the search of a whole machine, from eleven answers; with ``yes`` the likely ones of its kind."""
-    from ncgear.design.asked_machine import QUESTIONS as OF_MACHINE
-    from ncgear.design.asked_machine import asked_text, fault_of_answer, likely_answers
-    from ncgear.design.beginning import begun, wishes_told
+    from ncgear.design.beginning import QUESTIONS as OF_MACHINE
+    from ncgear.design.beginning import asked_text, begun, fault_of_answer, likely_answers, wishes_told
     from ncgear.design.reading.design_file import parsed
     from ncgear.project.drive import Drive
 

@@ -32,7 +32,6 @@ from ncgear.ratio.laws import (
     integrated,
     pitch_curve,
     row,
-    shared,
     spiral,
     table,
     uniform,
@@ -345,7 +344,7 @@ FORMS: dict[Any, Form] = {
 NO_FORMULA: dict[Any, str] = {
     pitch_curve.rolled: TRACED,
     pitch_curve.inverted_angle: TRACED,
-    shared.shared_angle: SHARED,
+    row.shared_angle: SHARED,
     row.row_angle: ROW,
 }
 """Why a law has no closed form, by the function that makes its driven angle or its slope."""

@@ -1,4 +1,4 @@
-"""Piecewise Chebyshev forms: fitted panel by panel to near rounding error, evaluated and integrated exactly.
+"""Piecewise Chebyshev forms: fitted panel by panel to near rounding error, evaluated, integrated and inverted.
 
 Between breaks the function must be smooth; panels are halved until the last coefficients have died away, so the
 spectral rate is kept however sharp the function is.  Method: L. N. Trefethen, "Approximation Theory and
@@ -323,3 +323,47 @@ def polynomials(local: Array, count: int) -> Array:
     for k in range(2, count):
         values[k] = twice * values[k - 1] - values[k - 2]
     return values.T
+
+
+GUESSES = 16
+"""Places in each panel from which Newton's method begins: nearer to each other than a panel's details."""
+
+NEWTON_STEPS = 20
+"""Most steps to an inverse; convergence is quadratic."""
+
+SETTLED = 4e-15
+"""Last step that counts as rounding, for places of a few units."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rising:
+    """A function that rises from 0 at 0 to the end of its form."""
+
+    form: PiecewiseChebyshev
+
+    @property
+    def end(self) -> float:
+        """The place where the form ends."""
+        return float(self.form.breaks[-1])
+
+    def __call__(self, places: Array) -> Array:
+        """Values at places, shape (n,)."""
+        return self.form(places)
+
+    @cached_property
+    def _guesses(self) -> tuple[Array, Array, PiecewiseChebyshev]:
+        breaks = self.form.breaks
+        within = breaks[:-1, None] + np.diff(breaks)[:, None] * (np.arange(GUESSES) / GUESSES)
+        places = np.append(within.ravel(), breaks[-1])
+        return places, self(places), self.form.differentiated()
+
+    def inverse(self, values: Array) -> Array:
+        """Places with these values, shape (n,), within the form; raises Unanswered where Newton's method finds none."""
+        guesses, known, rate = self._guesses
+        places = np.interp(values, known, guesses)
+        for _ in range(NEWTON_STEPS):
+            step = (self(places) - values) / rate(places)
+            places = np.clip(places - step, 0.0, self.end)
+            if np.max(np.abs(step), initial=0.0) <= SETTLED:
+                return places
+        raise Unanswered("a rising function could not be inverted")

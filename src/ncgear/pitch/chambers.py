@@ -1,11 +1,11 @@
-"""Displacement of a motor with a lobed sun, round planets and a lobed ring, and forces of pressure on its planets.
+"""Displacement of a pair of gears in a close housing, and of a motor with a lobed sun, round planets and a lobed ring.
 
-A chamber lies between two neighbouring planets, the sun and the ring; pitch curves stand for the teeth, as they do in
-``pumped``: the seal is where curves touch.  With the notation of ``lobed``, the trailing planet of a chamber is at the
-place g = phi + chi and the leading one at g + 2 pi / N.  A pressure p in the chamber pushes the planet ahead with 2 rho
-cos(eta) p per width, square to the line from the axis O through both contacts, which share the push; the sun also takes
-the pressure on its own curve.  Together they turn the sun with p (r R / 2), ahead less behind, where r R = d^2 - rho^2,
-so the chamber's area grows with the sun's angle alpha by
+A chamber lies between two neighbouring planets, the sun and the ring; pitch curves stand for the teeth: the seal is
+where curves touch.  With the notation of ``lobed``, the trailing planet of a chamber is at the place g = phi + chi and
+the leading one at g + 2 pi / N.  A pressure p in the chamber pushes the planet ahead with 2 rho cos(eta) p per width,
+square to the line from the axis O through both contacts, which share the push; the sun also takes the pressure on its
+own curve.  Together they turn the sun with p (r R / 2), ahead less behind, where r R = d^2 - rho^2, so the chamber's
+area grows with the sun's angle alpha by
 
     dA/dalpha = (d_ahead^2 - d_behind^2) / 2.
 
@@ -13,6 +13,21 @@ Each chamber goes through n N / (n + N) cycles in a turn of the sun against the 
 cycles, so the motor displaces n N (A_most - A_least) in a turn.  Chambers are of the least area where a lobe of the sun
 meets a hump of the ring, and of the greatest where a hollow meets a lobe's top: these dead spaces stand still to the
 ring, and ports lie between them.
+
+A pair in a housing, as in oval-gear flow meters and pumps: the housing is a circle about each axis.  Liquid passes from
+one side to the other between each gear and its circle, and none passes where the gears mesh.  With the greatest radii
+R1 and R2 and the pitch radii r1 and r2 at the pitch point, a turn dphi1 of the driving gear displaces, per face width,
+
+    dA = ((R1^2 - r1^2) dphi1 + (R2^2 - r2^2) dphi2) / 2
+
+since a gear's side of the space between housing and pitch point sweeps (R^2 - r^2)/2 per angle (the same balance gives
+the flow of circular gear pumps, e.g. J. Ivantysyn, M. Ivantysynova, "Hydrostatic Pumps and Motors", 2001, chapter 9).
+With w = dphi2/dphi1, r1 = a w/(1 + w) and r2 = a/(1 + w) this is
+
+    2 dA/dphi1 = R1^2 + R2^2 w - a^2 w/(1 + w)
+
+The pitch point counts as the seal: real teeth move the seal along the line of action, which adds a ripple, and leaks
+are not counted.  A tip of each gear must be at the housing between both ports all the time, as with two lobes or more.
 """
 
 from __future__ import annotations
@@ -25,11 +40,13 @@ import numpy as np
 from ncgear.frozen import dataclass
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array, ComplexArray
-from ncgear.numerics.chebyshev import PiecewiseChebyshev
+from ncgear.numerics.chebyshev import PiecewiseChebyshev, fitted
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.highest import largest_of_each, range_of
+from ncgear.numerics.jet import Jet
 from ncgear.numerics.zeros import all_zeros
 from ncgear.pitch.lobed import LobedCurves
+from ncgear.ratio.transmission import Piece, Transmission
 
 PLACES = 241
 """Places over a period at which flow and forces are first computed; both are smooth but for kinks and jumps."""
@@ -225,3 +242,41 @@ class Chambers:
 def _continued(form: PiecewiseChebyshev, phi: Array, period: float) -> Array:
     periods, local = np.divmod(phi, period)
     return periods * form.final + form(local)
+
+
+@dataclass(frozen=True)
+class Pumped:
+    """Displacement of a pair: ``per_turn_mm3`` in a turn of the driving gear, ``least`` and ``most`` in mm^3 per rad.
+
+    ``least`` and ``most`` have the driving angles in rad at which they occur.
+    """
+
+    per_turn_mm3: float
+    least: Extremum
+    most: Extremum
+
+    @property
+    def pulsation(self) -> float:
+        """Largest less smallest flow over the mean flow, at an even driving speed."""
+        return (self.most.value - self.least.value) * 2.0 * pi / self.per_turn_mm3
+
+
+def pumped(
+    transmission: Transmission, center_distance_mm: float, radii_mm: tuple[float, float], face_width_mm: float
+) -> Pumped:
+    """Displacement of an external pair in a housing of the given radii about the driving and the driven axis."""
+    first, second = radii_mm
+    factor = 0.5 * face_width_mm
+
+    def per_rad(slope: Jet) -> Jet:
+        return factor * (slope * second**2 - center_distance_mm**2 * (slope / (slope + 1.0)) + first**2)
+
+    def of(piece: Piece) -> float:
+        def value(phi1: Array) -> Array:
+            return per_rad(piece.slope(phi1, 0)).value
+
+        return fitted(value, [piece.start_rad, *piece.knots_rad, piece.end_rad]).integrated().final
+
+    periods = 2.0 * pi / transmission.lobes.driving_period_rad
+    least, most = transmission.extremes(per_rad, 0)
+    return Pumped(periods * sum(map(of, transmission.pieces)), least, most)

@@ -41,8 +41,8 @@ if TYPE_CHECKING:
     from ncgear.dynamics.driving_shaft import DrivingShaft
     from ncgear.dynamics.loaded_machine import RigidMachine
     from ncgear.dynamics.rigid import Rigid
+    from ncgear.pitch.chambers import Pumped
     from ncgear.pitch.pair import PitchPair
-    from ncgear.pitch.pumped import Pumped
     from ncgear.solids.helical.helix import Helix
     from ncgear.solids.mesh.pair import SolidPair
     from ncgear.solids.plan.body import BodyPlan, RoundHole
@@ -265,7 +265,7 @@ class Geared(Moving):
     @computed
     def pumped(self) -> Pumped | None:
         """The volume that the gears displace in their housing; None where the design has no housing."""
-        from ncgear.pitch.pumped import pumped
+        from ncgear.pitch.chambers import pumped
 
         radii = self.housing_radii_mm
         if radii is None:

@@ -36,7 +36,7 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.chebyshev import on_panels, panel_coefficients
-from ncgear.numerics.traced import NotTraced, formula_of
+from ncgear.numerics.formula import NotTraced, formula_of
 from ncgear.project.drive import Drive
 from ncgear.project.law import lobes_of
 from ncgear.project.tooth_form import reach_in_pitches

@@ -53,7 +53,7 @@ class FormatWriter:
 
 def _drawn(function: str, names: tuple[str, ...], reader: str, *, is_slow: bool = False) -> FormatWriter:
     """The writer of drawings of both gears, whose outlines are always read back."""
-    return FormatWriter(function, names, "gear_drawing:pair_drawings", reader, is_slow)
+    return FormatWriter(function, names, "drawing:pair_drawings", reader, is_slow)
 
 
 WRITERS = {

@@ -27,9 +27,8 @@ import numpy as np
 from ncgear.frozen import dataclass
 from ncgear.numerics import chebyshev, jet
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.chebyshev import PiecewiseChebyshev
+from ncgear.numerics.chebyshev import PiecewiseChebyshev, Rising
 from ncgear.numerics.jet import Jet
-from ncgear.numerics.rising import Rising
 from ncgear.ratio.laws.closed_curve import ClosedCurve, SmoothPart
 from ncgear.ratio.laws.integrated import smooth_or_refused
 from ncgear.ratio.laws.pitch_curve import GivenCurve, closed_law
