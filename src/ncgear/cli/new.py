@@ -206,13 +206,11 @@ def _write_shape(shape: str, path: Path) -> None:
 
 
 def _require_name(name: str) -> None:
-    """Raise WrongInput for a name that no design can have."""
     if not is_name(name):
         raise WrongInput(f"{name!r} cannot name a design; {NAME_RULE}, without .yaml, is right", key="NAME")
 
 
 def _require_wishes(wishes: Sequence[str]) -> None:
-    """Raise WrongInput for a wish that no design can have."""
     if wishes:
         from ncgear.design.beginning import wishes_told
 
@@ -261,7 +259,6 @@ def _free(name: str | None) -> Path:
 
 
 def _taken(path: Path) -> WrongInput:
-    """The error about a path where a file already exists."""
     return WrongInput("exists already; choose another name, or remove it", location=str(path))
 
 
@@ -322,18 +319,15 @@ QUESTIONS = {
 
 
 def _asked_name() -> str:
-    """The answer to the question for a name that a design can have."""
     return _asked("name of the design", "mine", lambda name: None if is_name(name) else f"{NAME_RULE}, are right")
 
 
 def _asked_beginning() -> Beginning:
-    """The chosen law or machine, by its number or its name."""
     choices: dict[Beginning, str] = {law: law_keys(law).CHOICE for law in LawName} | CHOICES
     return _asked_of("motion law or machine", choices)
 
 
 def _asked_machine() -> MachineName:
-    """The chosen machine, by its number or its name."""
     return _asked_of("kind of machine", CHOICES)
 
 

@@ -224,7 +224,6 @@ def wishes_told(texts: Iterable[str]) -> dict[str, Any]:
 
 
 def _pairs(text: str) -> Iterable[tuple[str, Any]]:
-    """Kinds and values of one text."""
     data = read_yaml(text, OPTION).data
     if not isinstance(data, dict) or not data:
         kinds = listed(Wishes.model_fields)

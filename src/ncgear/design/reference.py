@@ -336,7 +336,6 @@ def _group(key: Key, root: type[Any]) -> str:
 
 
 def _allowed(rule: dict[str, Any], name: str) -> str:
-    """A value that a rule allows."""
     if "const" in rule or "enum" in rule:
         return plain(rule.get("enum", [rule.get("const")])[0])
     match rule["type"]:

@@ -276,7 +276,6 @@ class _Rewriting:
         return _filled(f"{head} ", value, indent + 2)
 
     def _parts(self, node: Any) -> list[_Part]:
-        """The keys or items of a group or list."""
         parts: list[_Part] = []
         end: int = node.start_mark.index
         for one in node.value:
@@ -313,7 +312,6 @@ class _Rewriting:
 
 
 def _is_empty(node: Any) -> bool:
-    """Whether a value is missing at its place."""
     return node.value == "" and node.style is None and node.start_mark.index == node.end_mark.index
 
 

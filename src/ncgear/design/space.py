@@ -217,7 +217,6 @@ def space_of(
 
 
 def _require_number(loaded: LoadedDesign, key: str) -> None:
-    """Refuse a key without a number in the file."""
     numbers = dict(_numbers(loaded.data, ""))
     if key in numbers:
         return
@@ -239,7 +238,6 @@ def _require_fractions(loaded: LoadedDesign, ranged: Ranged) -> None:
 
 
 def _numbers(data: Any, key: str) -> Iterator[tuple[str, float]]:
-    """Dotted keys that hold numbers, and the numbers."""
     if isinstance(data, dict | list):
         for name, value in data.items() if isinstance(data, dict) else enumerate(data):
             yield from _numbers(value, f"{key}.{name}" if key else str(name))
@@ -298,7 +296,6 @@ def _annotation_at(root: type[BaseModel], data: Any, key: str) -> Any:
 
 
 def _nested(annotation: Any) -> Iterator[Any]:
-    """An annotation and all its parts."""
     yield annotation
     for part in get_args(annotation):
         yield from _nested(part)

@@ -279,7 +279,6 @@ SMALL = 0.02
 
 
 def _of(pair: PairStudy) -> str:
-    """The stage in front of a line about one of two pairs."""
     return "" if pair.stage is None else f"{stage_words(pair.stage)}: "
 
 

@@ -117,7 +117,6 @@ def _achieved(outcome: Outcome) -> str:
 
 
 def _bounds(outcome: Outcome) -> str:
-    """The bounds of a wish in words."""
     unit, least, most = outcome.unit, outcome.least, outcome.most
     if least == most:
         return _said(least, unit)

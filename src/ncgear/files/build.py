@@ -149,7 +149,6 @@ class _Pair:
 
 
 def _made(drive: Drive, on_step: Callable[[str], None], formats: Collection[Format], drawer: Drawer) -> _Pair:
-    """All files of one pair of gears."""
     drawn: list[Callable[[], dict[str, bytes]]] = []
     # The second process draws finished values while this process computes the others.
     for step in _computed(drive, on_step):

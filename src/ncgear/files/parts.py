@@ -80,7 +80,6 @@ def _read(column: pyarrow.ChunkedArray, kind: type[Any]) -> np.ndarray[Any, Any]
 
 
 def _texts(texts: Sequence[str]) -> pyarrow.Array:
-    """Texts as a column."""
     import pyarrow as arrow
 
     encoded = [text.encode() for text in texts]

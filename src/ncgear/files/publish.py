@@ -108,7 +108,6 @@ def _removed_if_failed(folders: Iterable[Path]) -> Iterator[None]:
 
 
 def _new_staging(folder: Path) -> Path:
-    """An empty staging folder in ``folder``."""
     token = secrets.token_hex(6)
     staging = folder / f"{STAGING_PREFIX}{token}-{_sign(token)}"
     staging.mkdir(mode=0o700)
@@ -120,7 +119,6 @@ def _sign(token: str) -> str:
 
 
 def _is_of_staging(name: str) -> bool:
-    """Whether a staging folder has this name."""
     token, _, sign = name.removeprefix(STAGING_PREFIX).partition("-")
     return name.startswith(STAGING_PREFIX) and sign == _sign(token)
 

@@ -165,7 +165,6 @@ Columns = Mapping[str, tuple[Sequence[Chart], str]]
 
 
 def _pictures(drive: Drive, look: Look, columns: Columns) -> dict[str, bytes]:
-    """A picture for each column of charts, by file name."""
     return {
         file: column_png(charts, titled(drive, what), look, SIMULATION_COLUMN)
         for file, (charts, what) in columns.items()

@@ -160,5 +160,4 @@ def chain_phases_of(given: keys.ChainDrive) -> ChainPhases:
 
 
 def _polar(amplitude: float, phase_deg: float) -> complex:
-    """A reading or a weight as a complex number."""
     return amplitude * exp(1j * radians(phase_deg))

@@ -169,7 +169,6 @@ def _size_of(design: Design, limits: Limits) -> task.GearSize | None:
 
 
 def _prices(asked: Optimize) -> task.Prices:
-    """The quantities to minimise, with their prices."""
     goal, weights = Goal(asked.goal), asked.weights
     if goal is not Goal.WEIGHTED or weights is None:
         return ALONE[goal]

@@ -98,7 +98,6 @@ def rotor_runs(points: PointsFile) -> FromFile:
 
 
 def _plane(points: PointsFile, row: int) -> int:
-    """The number of the plane in a row."""
     plane = points.values["plane"][row]
     if not plane.is_integer():
         raise WrongInput(f"{plane:g} given; a whole number is needed", key="plane", location=str(points.row(row)))

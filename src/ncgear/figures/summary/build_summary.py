@@ -111,7 +111,6 @@ def pitch_summary(drive: Drive) -> dict[str, Any]:
 
 
 def _jumps(pitch: PitchPair) -> list[dict[str, float]]:
-    """The places where the curvature of a gear jumps."""
     sides = [f"{gear}_{side}" for gear in ("driving", "driven") for side in ("before", "after")]
     found = []
     for jump in pitch.curvature_jumps():

@@ -150,7 +150,6 @@ def verdict_summary(verdict: Verdict) -> dict[str, Any]:
 
 
 def _drive(drive: Drive) -> dict[str, Any]:
-    """Speeds, lobes, and the linkage where there is one."""
     lobes, linkage, place = drive.transmission.lobes, drive.linkage, drive.linkage.OUTPUT.place
     found: dict[str, Any] = {"speed_rpm": drive.design.operation.speed_rpm, "law_speed_rpm": drive.law_speed_rpm}
     if lobes.range is not None:

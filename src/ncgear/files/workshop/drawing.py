@@ -253,7 +253,6 @@ def _circle(hole: RoundHole) -> Circle:
 
 
 def _contours(area: BaseGeometry) -> tuple[Shape, ...]:
-    """All boundaries of an area."""
     rings = [ring for part in polygons(area) for ring in (part.exterior, *part.interiors)]
     return tuple(polygon(_points(ring)) for ring in rings)
 

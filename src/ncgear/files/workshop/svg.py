@@ -48,7 +48,6 @@ def svg_bytes(drawing: Drawing) -> bytes:
 
 
 def _root(title: str, attributes: dict[str, str]) -> Xml.Element:
-    """The element of a file, with its title."""
     root = Xml.Element("svg", {"xmlns": NAMESPACE, "version": "1.1", **attributes})
     Xml.SubElement(root, "title").text = title
     return root

@@ -126,7 +126,6 @@ PARTS_UPRIGHT_MM = 40.0
 
 
 def _layout(size_mm: tuple[float, float], *, mechanism: bool) -> Layout:
-    """The places on a sheet that stands upright or lies across."""
     frame = inside(size_mm)
     title = frame.low + TITLE_HEIGHT_MM
     if size_mm[0] < size_mm[1]:
