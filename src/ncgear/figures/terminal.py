@@ -8,7 +8,7 @@ from pathlib import Path
 from textwrap import wrap
 from typing import Any
 
-from ncgear.figures.answers.answer import Answer, whole_answer
+from ncgear.figures.answers.answer import Answer, in_one_line, whole_answer
 from ncgear.figures.numbers import fixed
 from ncgear.figures.quantities import STATISTICS, figure, labelled, name_of, told
 from ncgear.figures.summary.check_summary import comparison_tables
@@ -16,6 +16,9 @@ from ncgear.figures.tables import WIDTH, aligned
 from ncgear.project.drive import Drive
 
 INDENT = "  "
+
+NAME_WIDTH = 36
+"""Characters of a name in a comparison; a longer name is told in full below the table."""
 
 TITLES = {
     "stages": "Stages in series",
@@ -65,11 +68,14 @@ def _marked(start: str, sentences: Sequence[str]) -> list[str]:
 
 def comparison_lines(rows: Sequence[Mapping[str, Any]]) -> list[list[str]]:
     """One block of lines for the mechanisms at equal speed, and one for mechanisms at other speeds."""
-    return [
-        [table.title, *aligned([*zip(*table.columns, strict=True), *map(table.texts, table.rows)], left=1)]
-        + [f"{INDENT}{name}: {note}" for (name, *_), note in zip(table.rows, table.row_notes, strict=True) if note]
-        for table in comparison_tables(rows)
-    ]
+    blocks = []
+    for table in comparison_tables(rows):
+        rows_in_short = ((in_one_line(name, NAME_WIDTH), *others) for name, *others in map(table.texts, table.rows))
+        lines = aligned([*zip(*table.columns, strict=True), *rows_in_short], left=1)
+        told = [(str(name), note) for (name, *_), note in zip(table.rows, table.row_notes, strict=True)]
+        said = [": ".join(filter(None, one)) for one in told if one[1] or len(one[0]) > NAME_WIDTH]
+        blocks.append([table.title, *lines, *_marked(INDENT, said)])
+    return blocks
 
 
 def timing_text(drive: Drive) -> str:

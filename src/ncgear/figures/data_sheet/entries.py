@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from math import degrees
 from typing import TYPE_CHECKING, Any
 
 from ncgear.design.keys.tolerances import AssemblyTolerances
 from ncgear.figures.numbers import drawn
-from ncgear.figures.quantities import labelled
 from ncgear.figures.tables import Value, cell_text
 from ncgear.frozen import dataclass
 from ncgear.project.drive import Drive
@@ -166,8 +166,16 @@ def passed_summary(drive: Drive) -> dict[str, Any]:
 
 
 def passed_rows(drive: Drive) -> tuple[SheetEntry, ...]:
-    """The same as rows of the data sheet, and what must end below what moves."""
-    rows = [SheetEntry(name, pair=text) for name, text in labelled(passed_summary(drive).get("fit", {}))]
+    """The same as rows of the data sheet: distances between middles, the angles, and the widest part that passes."""
+    rows = []
+    for one in drive.passings:
+        name, room = f"{one.part} to {one.standing.name}", one.room_mm
+        rows.append(SheetEntry(f"{name}: least distance of their middles", "mm", pair=one.distance_mm))
+        rows.append(SheetEntry(f"{name}: driving angle there", "deg", pair=degrees(one.phi1_rad)))
+        if room is not None:
+            rows.append(SheetEntry(f"{name}: widest {one.part} that passes", "mm", pair=room if room > 0.0 else "none"))
+        if one.clearance_mm is not None:
+            rows.append(SheetEntry(f"{name}: clearance, under 0 where they meet", "mm", pair=one.clearance_mm))
     rows += [SheetEntry(f"{shaft} beside the {part}", pair="must end below it") for part, shaft in shafts_below(drive)]
     return tuple(rows)
 
