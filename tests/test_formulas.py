@@ -33,8 +33,8 @@ if TYPE_CHECKING:
     from ncgear.formulas.written import WrittenPiece
 
 sympy = Later("sympy")
-checked, laws, linkages, printing, writing = (
-    Later(f"ncgear.formulas.{name}") for name in ("checked", "laws", "linkages", "printed", "written")
+checked, laws, linkages, writing = (
+    Later(f"ncgear.formulas.{name}") for name in ("checked", "laws", "linkages", "written")
 )
 
 MACHINE = "name: a\nlinkage: {crank_mm: 40, rod_mm: 90}\noperation: {speed_rpm: 30}\n"
@@ -226,7 +226,7 @@ def functions(found: Drive) -> dict[str, tuple[str, list[WrittenPiece]]]:
     return {
         name: (of, [piece for piece in section.pieces if of in piece.quantities])
         for section in found.formulas.sections
-        for name, of in printing.functions_of(section).items()
+        for name, of in checked.functions_of(section).items()
     }
 
 
@@ -284,7 +284,7 @@ def of_kind(kind: str) -> Drive:
 @pytest.mark.tiers(thorough=["pusher"], rest="slow")
 @pytest.mark.parametrize("kind", SOURCES)
 def test_python_runs(kind: str) -> None:
-    call = as_python(printing.printed(of_kind(kind).formulas, "python"))
+    call = as_python(checked.printed(of_kind(kind).formulas, "python"))
     compare(of_kind(kind), call)
     with pytest.raises(ValueError, match="outside"):
         call("ratio" if kind != "harmonic" else "ratio_of_driven_angle", 7.0)
@@ -294,7 +294,7 @@ def test_python_runs(kind: str) -> None:
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no compiler of C")
 @pytest.mark.parametrize("kind", SOURCES)
 def test_c_runs(kind: str, tmp_path: Path) -> None:
-    call = as_c(printing.printed(of_kind(kind).formulas, "c"), tmp_path)
+    call = as_c(checked.printed(of_kind(kind).formulas, "c"), tmp_path)
     compare(of_kind(kind), call)
     assert np.isnan(call("ratio" if kind != "harmonic" else "ratio_of_driven_angle", -0.1))
 
@@ -302,7 +302,7 @@ def test_c_runs(kind: str, tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", SOURCES)
 def test_matlab_says_the_same(kind: str) -> None:
-    text = printing.printed(of_kind(kind).formulas, "matlab")
+    text = checked.printed(of_kind(kind).formulas, "matlab")
     assert text.count("function") + text.count("if ") - text.count("functions") == len(re.findall(r"\bend\b", text))
     compare(of_kind(kind), as_matlab(text))
 
@@ -311,20 +311,20 @@ def test_matlab_says_the_same(kind: str) -> None:
 def test_a_quantity_without_closed_form_says_so_where_it_is_asked_for() -> None:
     text = (DESIGNS / "pusher.yaml").read_text().replace("basis: inverse_ratio", "basis: ratio")
     found = drive_of_text(text)
-    call = as_python(printing.printed(found.formulas, "python"))
+    call = as_python(checked.printed(found.formulas, "python"))
     assert call("driven_angle", 2.0) == pytest.approx(found.transmission.driven_angle(np.array([2.0])).value[0])
     with pytest.raises(ValueError, match="integral of 1/i_12"):
         call("driven_angle", 5.0)
 
 
 def test_latex_is_balanced_and_names_every_number() -> None:
-    text = printing.printed(drive("pusher").formulas, "latex")
+    text = checked.printed(drive("pusher").formulas, "latex")
     assert text.count("{") == text.count("}")
     assert text.count(r"\begin{align*}") == text.count(r"\end{align*}") == 5
     for piece in drive("pusher").formulas.sections[0].pieces:
         assert all(repr(value).partition("e")[0] in text for value in piece.numbers.values())
     small = MACHINE + "motion: {law: ratio_expression, ratio: 1 + 1.5e-7*cos(phi), scale_to_close: true}\n"
-    assert r"1.5 \cdot 10^{-7} \cos" in printing.printed(drive_of_text(small).formulas, "latex")
+    assert r"1.5 \cdot 10^{-7} \cos" in checked.printed(drive_of_text(small).formulas, "latex")
 
 
 # --- the command
@@ -353,4 +353,4 @@ def test_ends_are_told_in_pi_where_they_are(run: Run) -> None:
 def test_without_gears_radii_are_shares() -> None:
     found = ncgear.loads(MOTIONS["ratio by formula"]).formulas
     assert not found.sized
-    assert "radii as shares of the distance of the axes" in printing.printed(found, "text")
+    assert "radii as shares of the distance of the axes" in checked.printed(found, "text")

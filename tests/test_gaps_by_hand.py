@@ -21,7 +21,7 @@ from ncgear.figures.numbers import shown
 from ncgear.files.workshop.sheets import gear_tables
 from ncgear.files.workshop.sheets.frame import ROW_MM
 from ncgear.formulas.laws import _logarithms
-from ncgear.kinematics import even_speed
+from ncgear.kinematics import crank_stretches
 from ncgear.kinematics.crank_stretches import End, nearest_dwell_mm
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.scotch_yoke import ScotchYoke
@@ -239,9 +239,9 @@ def reached(speed: list[float], most: float) -> list[tuple[int, float, float]]:
 def test_stretches_of_nearly_even_speed_reach_as_far_as_they_can(seed: int) -> None:
     """Tried sample by sample."""
     speed = np.exp(np.cumsum(np.random.default_rng(seed).normal(0.0, 0.04, 41)))
-    last, highest, lowest = even_speed._reach(speed, 1.1)
+    last, highest, lowest = crank_stretches._reach(speed, 1.1)
     assert [*zip(last.tolist(), highest, lowest, strict=True)] == reached(speed.tolist(), 1.1)
-    share, level = even_speed._beyond(speed, last, highest, lowest, 1.1)
+    share, level = crank_stretches._beyond(speed, last, highest, lowest, 1.1)
     for row, end in enumerate(last.tolist()):
         if end + 1 == speed.size:
             assert share[row] == 0.0
@@ -253,7 +253,7 @@ def test_stretches_of_nearly_even_speed_reach_as_far_as_they_can(seed: int) -> N
 
 @pytest.mark.judges("kinematics")
 def test_an_even_step_adds_nothing_to_a_stretch() -> None:
-    share, level = even_speed._beyond(np.array([2.0, 2.0]), np.array([0]), np.array([3.0]), np.array([1.0]), 1.5)
+    share, level = crank_stretches._beyond(np.array([2.0, 2.0]), np.array([0]), np.array([3.0]), np.array([1.0]), 1.5)
     assert (share.tolist(), level.tolist()) == ([0.0], [2.0])
 
 

@@ -14,7 +14,7 @@ from numpy.polynomial import Polynomial, legendre
 
 from at_once import at_once
 from ncgear.kinematics.check import KinematicCheck, at_speed, kinematic_check
-from ncgear.kinematics.even_speed import _reach
+from ncgear.kinematics.crank_stretches import _reach
 from ncgear.kinematics.motion import Machine, sample_angles
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.resistance import PolynomialResistance

@@ -23,7 +23,7 @@ from ncgear.design.wishes.dwell import Dwell
 from ncgear.errors import Unanswered, WrongInput
 from ncgear.files.workshop.sheets import gear_tables
 from ncgear.files.workshop.sheets.sheet import ARROW_MM, arrow
-from ncgear.kinematics import even_speed
+from ncgear.kinematics import crank_stretches
 from ncgear.kinematics.motion import Stretch
 from ncgear.metrology import deviations
 from ncgear.metrology.exact_outline import FLANK_CURVE
@@ -141,15 +141,15 @@ def test_a_stretch_of_even_speed_ends_at_its_slowest_or_fastest_speed(
 ) -> None:
     """Its speed at the end counts beside those of the samples; all are in mm per rad at 2 rad/s."""
     samples = Made(speed=np.ones(3), place_mm=np.array([0.0, 5.0, 9.0]), phi1_rad=np.array([0.1, 0.2, 0.3]))
-    monkeypatch.setattr(even_speed, "stretches", lambda machine: [Made(working=True)])
-    monkeypatch.setattr(even_speed, "_sampled", lambda parts, most: samples)
+    monkeypatch.setattr(crank_stretches, "stretches", lambda machine: [Made(working=True)])
+    monkeypatch.setattr(crank_stretches, "_sampled", lambda parts, most: samples)
     reach = np.array([2, 2, 2]), np.full(3, highest), np.full(3, lowest)
-    monkeypatch.setattr(even_speed, "_reach", lambda speed, most: reach)
-    monkeypatch.setattr(even_speed, "_beyond", lambda *_: (np.zeros(3), np.full(3, level)))
-    monkeypatch.setattr(even_speed, "_where", lambda machine, on, last, at: 0.3)
+    monkeypatch.setattr(crank_stretches, "_reach", lambda speed, most: reach)
+    monkeypatch.setattr(crank_stretches, "_beyond", lambda *_: (np.zeros(3), np.full(3, level)))
+    monkeypatch.setattr(crank_stretches, "_where", lambda machine, on, last, at: 0.3)
     machine: Any = Made(speed_rad_s=2.0, displacement=lambda phi1, order: Made(value=np.array([9.0])))
-    found = even_speed.longest_even_stretch(machine, even_speed.Stroke.WORKING, 0.1)
-    values = [getattr(found, name) for name in even_speed.EvenStretch.__dataclass_fields__]
+    found = crank_stretches.longest_even_stretch(machine, crank_stretches.Stroke.WORKING, 0.1)
+    values = [getattr(found, name) for name in crank_stretches.EvenStretch.__dataclass_fields__]
     assert values == pytest.approx([0.1, 0.3, 0.0, 9.0, 2.0 * limits[0], 2.0 * limits[1]])
 
 

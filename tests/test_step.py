@@ -35,9 +35,7 @@ from pairs import exact_ring
 if find_spec("OCP") is None:
     pytest.skip("python -m pip install 'ncgear[step]' installs what writes STEP", allow_module_level=True)
 
-writer, shapes, brep = (
-    Later(f"ncgear.{name}") for name in ("files.workshop.step", "solids.brep.shapes", "solids.brep.gear")
-)
+writer, brep = (Later(f"ncgear.{name}") for name in ("files.workshop.step", "solids.brep.gear"))
 
 FINE = 1e-5
 """Chord tolerance of the outlines that files are held against."""
@@ -332,7 +330,7 @@ def test_helical_gears_have_bodies_too() -> None:
     found = cylinders(made["driving.step"])
     assert found.count((1.0, [1.0, 0.0, 0.0])) == found.count((3.0, UP)) == found.count((5.5, UP)) == 1
     mesh = own.solids.driving.mesh
-    assert abs(shapes.volume_mm3(writer.read_back(made["driving.step"])) - mesh.volume) <= 0.005 * mesh.area
+    assert abs(brep.volume_mm3(writer.read_back(made["driving.step"])) - mesh.volume) <= 0.005 * mesh.area
 
 
 @pytest.mark.slow
@@ -353,7 +351,7 @@ def test_bodies_stand_on_the_heights_of_their_plans(bodied: tuple[Drive, dict[st
 def test_bodies_hold_what_their_meshes_hold(bodied: tuple[Drive, dict[str, bytes]]) -> None:
     own, made = bodied
     for gear, mesh in (("driving", own.solids.driving.mesh), ("driven", own.solids.driven.mesh)):
-        found = shapes.volume_mm3(writer.read_back(made[f"{gear}.step"]))
+        found = brep.volume_mm3(writer.read_back(made[f"{gear}.step"]))
         assert abs(found - mesh.volume) <= own.chord_tolerance_mm * mesh.area
 
 
@@ -384,7 +382,7 @@ def test_helical_sections_at_any_height_are_the_exact_ones(kind: str) -> None:
         # The teeth a hundredth of a millimetre farther up stand elsewhere by a third of it.
         assert farthest(levels(data, height + 0.01, DENSE).reshape(-1, 2), exact) > 2e-3
         mesh = own.solids.of(gear).mesh
-        assert abs(shapes.volume_mm3(writer.read_back(data)) - mesh.volume) <= 0.005 * mesh.area
+        assert abs(brep.volume_mm3(writer.read_back(data)) - mesh.volume) <= 0.005 * mesh.area
 
 
 @pytest.mark.tiers(slow=["baler"], rest="long")
@@ -396,7 +394,7 @@ def test_volumes_are_those_of_the_meshes_and_of_the_kernel(name: str) -> None:
     solids = [writer.read_back(files(name)[f"{gear}.step"]) for gear in ("driving", "driven")]
     for volume, mesh, shape in zip(volumes(name), meshes, solids, strict=True):
         assert abs(volume - mesh.volume) <= own.chord_tolerance_mm * mesh.area
-        assert shapes.volume_mm3(shape) == pytest.approx(volume, rel=writer.VOLUME_TOLERANCE)
+        assert brep.volume_mm3(shape) == pytest.approx(volume, rel=writer.VOLUME_TOLERANCE)
 
 
 @pytest.mark.long

@@ -14,8 +14,7 @@ from scipy.integrate import quad
 from at_once import at_once
 from conftest import Run
 from drives import drive, drive_of_text
-from ncgear.kinematics.crank_stretches import CrankStretch, End, Stroke, nearest_dwell_mm
-from ncgear.kinematics.even_speed import longest_even_stretch, spread
+from ncgear.kinematics.crank_stretches import CrankStretch, End, Stroke, longest_even_stretch, nearest_dwell_mm, spread
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.mechanism import Mechanism

@@ -104,7 +104,7 @@ def formulas(
     as_json: AsJson = False,
 ) -> None:
     """Print the law in closed form, piece by piece: stroke, driven angle, ratio, both pitch radii."""
-    from ncgear.formulas.printed import figures, printed
+    from ncgear.formulas.checked import figures, printed
     from ncgear.project.drive import Drive
 
     with opened(design_file) as loaded:

@@ -1,16 +1,18 @@
-"""The formulas of a design; each is compared with the law's own numbers before it is told."""
+"""The formulas of a design, each compared with the law's own numbers before it is told: text, LaTeX, programs."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from math import tau
+from math import pi, tau
+from typing import Any
 
 import numpy as np
+import sympy
 
 from ncgear.errors import Unanswered
 from ncgear.formulas.laws import NoFormula, Sizes, mechanism, pieces_of
-from ncgear.formulas.written import WrittenPiece
+from ncgear.formulas.written import QUANTITIES, WrittenPiece, symbol
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.driven_shaft import DrivenShaft
 from ncgear.mechanisms.mechanism import Mechanism
@@ -153,3 +155,216 @@ def _greatest(pieces: Sequence[WrittenPiece], at: Array, numbers: dict[str, Arra
                 )
             worst = max(worst, difference)
     return worst
+
+
+def printed(formulas: Formulas, form: str) -> str:
+    """The formulas as text, latex, python, c or matlab, without a line break at the end."""
+    if form == "text":
+        return "\n\n".join(["\n".join(_head(formulas)), *_blocks(formulas, _text_block)])
+    if form == "latex":
+        head = "\n".join(f"% {line}" for line in _head(formulas))
+        return "\n\n".join([head, *_blocks(formulas, _latex_block)])
+    return _source(formulas, LANGUAGES[form])
+
+
+def figures(formulas: Formulas) -> dict[str, Any]:
+    """The formulas for programs: numbers as numbers, expressions as text in Python's grammar."""
+    return {
+        "name": formulas.name,
+        "law": formulas.law,
+        "displacement_unit": formulas.unit,
+        "radii_unit": "mm" if formulas.sized else "distance of the axes",
+        "difference": formulas.difference,
+        "sections": [
+            {
+                "name": section.name,
+                **({"without": section.why} if section.why else {}),
+                "pieces": [
+                    {
+                        "name": piece.name,
+                        "variable": str(piece.variable),
+                        "start_rad": piece.start_rad,
+                        "end_rad": piece.end_rad,
+                        "numbers": {str(name): value for name, value in _named(piece).items()},
+                        "steps": {str(name): str(step) for name, step in piece.steps.items()},
+                        "without": dict(piece.without),
+                    }
+                    for piece in section.pieces
+                ],
+            }
+            for section in formulas.sections
+        ],
+    }
+
+
+def _head(formulas: Formulas) -> list[str]:
+    radii = "radii in mm" if formulas.sized else "radii as shares of the distance of the axes"
+    units = ", ".join(["angles in rad", *([f"x in {formulas.unit}"] if formulas.unit else []), radii])
+    return [
+        f"{formulas.name}: the law {formulas.law} in closed form; {units}",
+        f"The formulas differ from the numbers of the law by {formulas.difference:.1g} of these at most.",
+        *(f"{section.name}: no closed form, since {section.why}" for section in formulas.sections if section.why),
+    ]
+
+
+def _blocks(formulas: Formulas, block: Callable[[str, WrittenPiece], str]) -> Iterator[str]:
+    for section in formulas.sections:
+        for piece in section.pieces:
+            named = section.name if section.name == piece.name else f"{section.name}, {piece.name}"
+            yield block(named, piece)
+
+
+def _named(piece: WrittenPiece) -> dict[Any, float]:
+    """The numbers whose names are not their digits."""
+    return {one: value for one, value in piece.numbers.items() if not str(one)[0].isdigit()}
+
+
+def _angle(value: float, times: str) -> str:
+    """An angle in rad, as a multiple of pi where a short multiple equals it exactly."""
+    share = f"{value / pi:.12g}"
+    if float(share) * pi != value:
+        return repr(value)
+    if share == "0":
+        return share
+    return "pi" if share == "1" else f"{share}{times}pi"
+
+
+def _text_block(named: str, piece: WrittenPiece) -> str:
+    ends = f"{_angle(piece.start_rad, '*')} <= {piece.variable} <= {_angle(piece.end_rad, '*')}"
+    lines = [f"{name} = {value!r}" for name, value in _named(piece).items()]
+    lines += [f"{name} = {step}" for name, step in piece.steps.items()]
+    lines += [f"no {name}: {why}" for name, why in piece.without.items()]
+    return "\n".join([f"{named}: {ends}", *(f"  {line}" for line in lines)])
+
+
+def _latex_block(named: str, piece: WrittenPiece) -> str:
+    names = {one: _latex_name(str(one), piece) for one in (piece.variable, *piece.numbers, *piece.steps)}
+    first, last = (_angle(end, " ").replace("pi", r"\pi") for end in (piece.start_rad, piece.end_rad))
+    lines = [rf"&\text{{{named}: }} {first} \le {names[piece.variable]} \le {last}"]
+    lines += [f"{names[one]} &= {_latex_number(repr(value))}" for one, value in _named(piece).items()]
+    lines += [f"{names[one]} &= {sympy.latex(step, symbol_names=names)}" for one, step in piece.steps.items()]
+    whys = [f"no {name}: {why}".replace("_", r"\_") for name, why in piece.without.items()]
+    body = " \\\\\n".join([*lines, *(rf"&\text{{{why}}}" for why in whys)])
+    return f"\\begin{{align*}}\n{body}\n\\end{{align*}}"
+
+
+def _latex_name(name: str, piece: WrittenPiece) -> str:
+    """A name in LaTeX: words upright, derivatives as quotients."""
+    if name[0].isdigit():
+        return _latex_number(name)
+    if name.startswith("d") and symbol(name[1:]) in piece.steps:
+        over, under = (_latex_name(one, piece) for one in (name[1:], str(piece.variable)))
+        return rf"\frac{{\mathrm{{d}} {over}}}{{\mathrm{{d}} {under}}}"
+    word, _, index = name.partition("_")
+    letter = f"\\{word}" if word in GREEK else word if len(word) == 1 else rf"\mathrm{{{word}}}"
+    return f"{letter}_{{{index}}}" if index else letter
+
+
+GREEK = {"phi", "theta", "tau", "delta"}
+
+
+def _latex_number(digits: str) -> str:
+    mantissa, _, exponent = digits.partition("e")
+    return rf"{mantissa} \cdot 10^{{{int(exponent)}}}" if exponent else mantissa
+
+
+@dataclass(frozen=True)
+class Language:
+    """How a language writes a file of functions of one angle: templates of its statements."""
+
+    expression: Callable[[Any], str]
+    begin: str
+    comment: str
+    function: str
+    refuse: str
+    """The statement that says why there is no value."""
+
+    when: str
+    assign: str
+    result: str
+    end: str = ""
+
+
+LANGUAGES = {
+    "python": Language(
+        sympy.pycode,
+        "import math\n",
+        comment="#",
+        function="def {name}({angle}):",
+        refuse='raise ValueError("{why}")',
+        when="if {condition}:",
+        assign="{name} = {value}",
+        result="return {name}",
+    ),
+    "c": Language(
+        sympy.ccode,
+        "#include <math.h>\n",
+        comment="//",
+        function="double {name}(double {angle}) {{",
+        refuse="return NAN; // {why}",
+        when="if ({condition}) {{",
+        assign="const double {name} = {value};",
+        result="return {name};",
+        end="}",
+    ),
+    "matlab": Language(
+        sympy.octave_code,
+        "function value = law_in_closed_form(quantity, angle)\n    functions = struct({handles});\n"
+        "    value = functions.(quantity)(angle);\nend\n",
+        comment="%",
+        function="function value = {name}({angle})",
+        refuse="error('{why}')",
+        when="if {condition}",
+        assign="{name} = {value};",
+        result="value = {name}; return",
+        end="end",
+    ),
+}
+
+
+def functions_of(section: FormulaPieces) -> dict[str, str]:
+    """The names of the functions of a section, and the quantity that each gives."""
+    if not section.pieces:
+        return {}
+    stage = section.name.replace(" ", "_") + "_" if section.name.startswith("stage") else ""
+    over = "_of_driven_angle" if str(section.pieces[0].variable) == "phi_2" else ""
+    told = [name for name in QUANTITIES if any(name in piece.quantities for piece in section.pieces)]
+    return {f"{stage}{QUANTITIES[name]}{over}": name for name in told}
+
+
+def _source(formulas: Formulas, language: Language) -> str:
+    functions = [(name, of, section) for section in formulas.sections for name, of in functions_of(section).items()]
+    handles = ", ".join(f"'{name}', @{name}" for name, _, _ in functions)
+    head = [*(f"{language.comment} {line}" for line in _head(formulas)), ""]
+    parts = [line for one in functions for line in _function(language, *one)]
+    return "\n".join([*head, language.begin.replace("{handles}", handles), *parts]).rstrip()
+
+
+def _function(language: Language, name: str, of: str, section: FormulaPieces) -> Iterator[str]:
+    """A function of one angle, piece after piece; on pieces without a closed form it raises an error."""
+    first, last = section.pieces[0], section.pieces[-1]
+    angle = str(first.variable)
+    beyond = language.refuse.format(why=f"the angle lies outside {first.start_rad!r} to {last.end_rad!r} rad")
+    yield language.function.format(name=name, angle=angle)
+    yield from _block(language, f"{angle} < {first.start_rad!r}", [beyond])
+    for piece in section.pieces:
+        before = f"{angle} {'<=' if piece is last else '<'} {piece.end_rad!r}"
+        yield from _block(language, before, _body(language, piece, of))
+    yield f"    {beyond}"
+    yield from [language.end, ""] if language.end else [""]
+
+
+def _block(language: Language, condition: str, body: list[str]) -> Iterator[str]:
+    yield f"    {language.when.format(condition=condition)}"
+    yield from (f"        {line}" for line in body)
+    if language.end:
+        yield f"    {language.end}"
+
+
+def _body(language: Language, piece: WrittenPiece, of: str) -> list[str]:
+    if of not in piece.quantities:
+        return [language.refuse.format(why=piece.without[of])]
+    values = {one: repr(value) for one, value in _named(piece).items()}
+    needed = [one for one in piece.needed(of) if one in values or one in piece.steps]
+    lines = [(one, values[one] if one in values else language.expression(piece.steps[one])) for one in needed]
+    return [*(language.assign.format(name=one, value=value) for one, value in lines), language.result.format(name=of)]

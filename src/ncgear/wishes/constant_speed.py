@@ -6,8 +6,7 @@ from dataclasses import replace
 from math import exp, tanh
 
 from ncgear.frozen import dataclass
-from ncgear.kinematics.crank_stretches import CrankStretch, Stroke, crank_angle_rad, speeds_mm_s
-from ncgear.kinematics.even_speed import spread
+from ncgear.kinematics.crank_stretches import CrankStretch, Stroke, crank_angle_rad, speeds_mm_s, spread
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.mechanism import Mechanism, Unit
 from ncgear.numerics.bounds import shown_above

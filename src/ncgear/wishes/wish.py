@@ -12,8 +12,16 @@ from math import degrees, floor, inf, log10
 from typing import Self
 
 from ncgear.frozen import dataclass
-from ncgear.kinematics.crank_stretches import CrankStretch, End, Stroke, about_end, taken_rad, time_ratio
-from ncgear.kinematics.even_speed import EvenStretch, longest_even_stretch
+from ncgear.kinematics.crank_stretches import (
+    CrankStretch,
+    End,
+    EvenStretch,
+    Stroke,
+    about_end,
+    longest_even_stretch,
+    taken_rad,
+    time_ratio,
+)
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.mechanism import SLIDER, Mechanism, Output, Unit
 from ncgear.wishes.requirements import DrivingRange, PushedSpeed, Requirement, passed_no_earlier, passed_no_later
