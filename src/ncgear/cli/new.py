@@ -125,7 +125,7 @@ def _write_asked(
     *,
     yes: bool,
 ) -> None:
-    """Write a file for the search of a whole machine, from eleven answers; with ``yes`` the likely ones of its kind."""
+    """Write a file for the search of a whole machine, from ten answers; with ``yes`` the likely ones of its kind."""
     from ncgear.design.asked_machine import QUESTIONS as OF_MACHINE
     from ncgear.design.asked_machine import asked_text, fault_of_answer, likely_answers
     from ncgear.design.beginning import begun, wishes_told
