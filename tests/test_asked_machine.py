@@ -1,4 +1,4 @@
-"""A file for ``ncgear design`` from eleven answers: what each changes, the likely answers, and wrong answers."""
+"""A file for ``ncgear design`` from ten answers: what each changes, the likely answers, and wrong answers."""
 
 from __future__ import annotations
 
@@ -56,14 +56,13 @@ def test_the_likely_flywheel_stores_the_work_of_a_turn_or_is_a_disc(rpm: float, 
     disc = 7850.0 * pi / 4.0 * 0.18**2 * (0.18 / 20.0) * 0.18**2 / 8.0
     likely = likely_answers(text)
     assert float(likely["flywheel"]) == pytest.approx(min(stores, disc), rel=0.02)
-    assert (likely["force"], likely["mass"]) == ("120", "2")
+    assert (likely["force"], likely["mass"]) == ("120 x 1", "2")
 
 
 def test_each_answer_changes_its_keys() -> None:
     text = machine_template("mine", MachineName.PUMP)
     answers = {
-        "force": "830",
-        "shocks": "1.75",
+        "force": "830 x 1.75",
         "mass": "1.6",
         "materials": "42CrMo4, 18CrNiMo7-6",
         "processes": "wire_cut, hobbed",
@@ -71,7 +70,8 @@ def test_each_answer_changes_its_keys() -> None:
         "flywheel": "0.002",
     }
     # Delivery at 400 N and 15 N of friction; valves that knock
-    assert (likely_answers(text)["force"], likely_answers(text)["shocks"]) == ("415", "1.25")
+    assert likely_answers(text)["force"] == "415 x 1.25"
+    assert asked_text("mine", MachineName.PUMP, {}, {"force": "415"}) == asked_text("mine", MachineName.PUMP, {}, {})
     made = loads(asked_text("mine", MachineName.PUMP, {"stroke_mm": 60, "speed_rpm": 120}, answers)).design
     assert made.resistance is not None
     assert made.resistance.table.force_n == (0.0, 800.0, 800.0)
@@ -91,8 +91,10 @@ def test_each_answer_changes_its_keys() -> None:
     ("question", "answer", "said"),
     [
         ("force", "much", "much given; a number over 0 is right"),
-        ("shocks", "0.5", "0.5 given; a number of 1 or over is needed"),
-        ("shocks", "hard", "hard given; a number over 0 is right"),
+        ("force", "415 x 0.5", "0.5 given; a number of 1 or over is needed"),
+        ("force", "600 x hard", "hard given; a number over 0 is right"),
+        ("force", "600 x", "nothing given; a number over 0 is right"),
+        ("force", "600x1.5x2", "1.5x2 given; a number over 0 is right"),
         ("mass", "-2", "-2 given; a number over 0 is right"),
         ("materials", "butter", "butter"),
         ("processes", "milled", "milled"),
@@ -106,13 +108,13 @@ def test_wrong_answers(question: str, answer: str, said: str) -> None:
 
 
 @pytest.mark.slow
-def test_eleven_questions_at_a_terminal(tmp_path: Path) -> None:
-    answers = ["mine", "pump", "80", "", "none", "600", "1.5", "", "butter", "", "", "150", "none"]
+def test_ten_questions_at_a_terminal(tmp_path: Path) -> None:
+    answers = ["mine", "pump", "80", "", "none", "600 x 1.5", "", "butter", "", "", "150", "none"]
     status, shown = at_terminal(["new", "--design"], [f"{answer}\n" for answer in answers], tmp_path)
     assert (status, shown.splitlines()[-1]) == (0, "mine.yaml")
     asked = [line for line in shown.splitlines() if "]: " in line]
-    # The name, eleven questions, and a question again for butter
-    assert len(asked) == 13
+    # The name, ten questions, and a question again for butter
+    assert len(asked) == 12
     assert asked[-1].startswith("largest flywheel on the driven shaft in kg m2, or none [0.0024]")
     made = load(tmp_path / "mine.yaml").design
     assert made.linkage.crank_mm == 40.0

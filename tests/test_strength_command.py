@@ -198,31 +198,54 @@ def test_what_is_missing_is_told(run: Run, text: str, place: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.judges("strength")
-def test_a_pinion_of_a_textbook_is_rated_on_the_safe_side(run: Run) -> None:
-    """Shigley, example 14-4: 17 and 52 teeth of 2.54 mm, 4 hp at 1800 r/min, factors of load apart.
+@pytest.mark.parametrize(
+    ("teeth", "module_mm", "width_mm", "power_hp", "speed_rpm", "at_pitch_mpa", "alone_mpa"),
+    [(17, 2.54, 38.1, 4.0, 1800, 366.5, 406.1), (20, 3.175, 38.1, 25.0, 1750, 621.7, 668.6)],
+)
+def test_a_pinion_of_a_textbook_is_rated_by_single_contact(
+    run: Run,
+    teeth: int,
+    module_mm: float,
+    width_mm: float,
+    power_hp: float,
+    speed_rpm: float,
+    at_pitch_mpa: float,
+    alone_mpa: float,
+) -> None:
+    """Shigley, example 14-4 (52 teeth of the wheel), and Mott, example 9-1 (70): pressures with factors of load apart.
 
-    F = 733 N, I = cos sin / 2 times 52/69 = 0.1211, Z_E = 191: 366.5 MPa at the pitch point.  Where a rigid pair begins
-    to carry alone, nearer to the pinion's root, the radii of curvature make it 406 MPa; of teeth that give way, the
-    next pair still bears a little there.
+    I = cos sin / 2 times u/(u+1) and Z_E = 191 give the pressure at the pitch point.  Where a rigid pair begins to
+    carry alone, nearer to the pinion's root, the radii of curvature make it larger: Mott's geometry factor counts that
+    (668.6 MPa are published).  Of teeth that give way, the next pair still bears a little there.
     """
-    gears = "{lobes: {driving: 17, driven: 52}, teeth: 17, module_mm: 2.54, face_width_mm: 38.1, material: 42CrMo4}"
-    torque_n_m = 4.0 * 745.7 / (1800.0 * np.pi / 30.0) * 52.0 / 17.0
+    wheel = {17: 52, 20: 70}[teeth]
+    gears = (
+        f"{{lobes: {{driving: {teeth}, driven: {wheel}}}, teeth: {teeth}, module_mm: {module_mm}, "
+        f"face_width_mm: {width_mm}, material: 42CrMo4}}"
+    )
+    torque_n_m = power_hp * 745.7 / (speed_rpm * np.pi / 30.0) * wheel / teeth
     status, _, err = run(
-        f"name: pinion\noperation: {{speed_rpm: 1800}}\nmotion: {{law: uniform_crank}}\ngears: {gears}\n"
+        f"name: pinion\noperation: {{speed_rpm: {speed_rpm}}}\nmotion: {{law: uniform_crank}}\ngears: {gears}\n"
         f"resistance: {{expression_n_m: '{torque_n_m}'}}\n"
         "strength: {application_factor: 1, dynamic_factor: 1, face_load_factor: 1}\n",
         "--out",
         "pinion",
     )
     assert status == 0, err
-    rolling, base_mm = np.radians(20.0), 2.54 * np.array([17.0, 52.0]) / 2.0 * np.cos(np.radians(20.0))
-    arm = np.sin(rolling) * 2.54 * 69.0 / 2.0
-    tips = np.sqrt((2.54 * (np.array([17.0, 52.0]) / 2.0 + 1.0)) ** 2 - base_mm**2)
-    alone = tips[0] - np.pi * 2.54 * np.cos(rolling)
+    both = np.array([teeth, wheel])
+    rolling = np.radians(20.0)
+    base_mm = module_mm * both / 2.0 * np.cos(rolling)
+    arm = np.sin(rolling) * module_mm * both.sum() / 2.0
+    tips = np.sqrt((module_mm * (both / 2.0 + 1.0)) ** 2 - base_mm**2)
+    alone = tips[0] - np.pi * module_mm * np.cos(rolling)
     at_pitch = base_mm * np.tan(rolling)
-    rigid = 366.5 * np.sqrt(at_pitch.prod() / (alone * (arm - alone)))
-    assert rigid == pytest.approx(406.1, abs=0.1)
-    assert 366.5 < 0.97 * rigid < figures("pinion")["driving"]["contact_stress_mpa"] < rigid
+    force_n = torque_n_m * 1e3 / (module_mm * wheel / 2.0)
+    factor = np.cos(rolling) * np.sin(rolling) / 2.0 * wheel / both.sum()
+    at_pitch_by_hand = 191.0 * np.sqrt(force_n / (width_mm * module_mm * teeth * factor))
+    assert at_pitch_by_hand == pytest.approx(at_pitch_mpa, rel=0.002)
+    rigid = at_pitch_by_hand * np.sqrt(at_pitch.prod() / (alone * (arm - alone)))
+    assert rigid == pytest.approx(alone_mpa, rel=0.01)
+    assert at_pitch_by_hand < 0.965 * rigid < figures("pinion")["driving"]["contact_stress_mpa"] < 1.01 * rigid
 
 
 @pytest.mark.slow

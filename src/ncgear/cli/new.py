@@ -125,7 +125,7 @@ def _write_asked(
     *,
     yes: bool,
 ) -> None:
-    """Write a file for the search of a whole machine, from eleven answers; with ``yes`` the likely ones of its kind."""
+    """Write a file for the search of a whole machine, from ten answers; with ``yes`` the likely ones of its kind."""
     from ncgear.design.beginning import QUESTIONS as OF_MACHINE
     from ncgear.design.beginning import asked_text, begun, fault_of_answer, likely_answers, wishes_told
     from ncgear.design.reading.design_file import parsed

@@ -231,12 +231,11 @@ def _pairs(text: str) -> Iterable[tuple[str, Any]]:
     return data.items()
 
 
-FORCE, SHOCKS, MASS, MATERIALS = "force", "shocks", "mass", "materials"
+FORCE, MASS, MATERIALS = "force", "mass", "materials"
 PROCESSES, SPACE, FLYWHEEL = "processes", "space", "flywheel"
 
 QUESTIONS = {
-    FORCE: "greatest force against the slider in N",
-    SHOCKS: "shocks beyond that force, as a factor on it: 1 none, 1.25 light, 1.5 moderate, 1.75 heavy",
+    FORCE: "greatest force against the slider in N x factor of shocks: 1 none, 1.25 light, 1.5 moderate, 1.75 heavy",
     MASS: "mass of the slider in kg, with all that moves with it",
     MATERIALS: "materials of the gears that may be chosen, between commas",
     PROCESSES: "ways of making the teeth: hobbed, shaped, wire_cut, printed, between commas",
@@ -279,8 +278,7 @@ def likely_answers(text: str) -> dict[str, str]:
     flywheel = min(2e3 * work_n_mm / speed**2, DISC * (WIDE * stroke_mm) ** 5) / 1e6
     material = data["gears"]["material"]
     return {
-        FORCE: f"{max(map(max, forces)):.4g}",
-        SHOCKS: f"{data.get('strength', {}).get('application_factor', 1.0):g}",
+        FORCE: f"{max(map(max, forces)):.4g} x {data.get('strength', {}).get('application_factor', 1.0):g}",
         MASS: f"{data['masses']['slider_kg']:g}",
         MATERIALS: material,
         PROCESSES: "printed" if material == PRINTED else "hobbed",
@@ -333,10 +331,12 @@ def _changed(data: Mapping[str, Any], text: str, answers: Mapping[str, str]) -> 
     no number."""
     likely = likely_answers(text)
     for question, answer in answers.items():
-        if question == FORCE and answer != likely[FORCE]:
-            yield from _scaled(data["resistance"], "resistance", _number(answer) / float(likely[FORCE]))
-        elif question == SHOCKS and answer != likely[SHOCKS]:
-            yield "strength.application_factor", _number(answer)
+        if question == FORCE:
+            (force, *shocks), (likely_force, likely_shocks) = (one.split("x", 1) for one in (answer, likely[FORCE]))
+            if _number(force) != float(likely_force):
+                yield from _scaled(data["resistance"], "resistance", _number(force) / float(likely_force))
+            if shocks and _number(shocks[0]) != float(likely_shocks):
+                yield "strength.application_factor", _number(shocks[0])
         elif question == MASS:
             yield "masses.slider_kg", _number(answer)
         elif question == MATERIALS:
@@ -351,9 +351,9 @@ def _changed(data: Mapping[str, Any], text: str, answers: Mapping[str, str]) -> 
 
 
 def _number(answer: str) -> float:
-    value = plain_value(answer)
+    value = plain_value(answer.strip())
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not value > 0.0:
-        raise ValueError(f"{answer} given; a number over 0 is right")
+        raise ValueError(f"{answer.strip() or 'nothing'} given; a number over 0 is right")
     return value
 
 
