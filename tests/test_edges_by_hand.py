@@ -13,8 +13,10 @@ from shapely import Polygon
 import ncgear.contact.written.apart as apart
 import ncgear.drawings.pictures as pictures
 import ncgear.formulas.laws as laws
+import ncgear.trains.tip_path as tip_path
 from at_once import at_once
 from ncgear.balance.waveform import Waveform
+from ncgear.contact.designed.tangency import _touches
 from ncgear.contact.written.as_written import _chords
 from ncgear.design.reading.measured_file import _require_height
 from ncgear.design.reading.yaml import read_yaml
@@ -26,6 +28,10 @@ from ncgear.numerics.chebyshev import PiecewiseChebyshev
 from ncgear.numerics.crossing import zoomed_crossings
 from ncgear.pitch.pair import STRAIGHT, PitchPair
 from ncgear.pitch.shape import Gear
+from ncgear.project.finer import fewest
+from ncgear.project.geared import Geared
+from ncgear.solids.plan.areas import stl_resolution_mm
+from ncgear.studio.editing import _counterparts
 
 Made: Any = SimpleNamespace
 
@@ -217,3 +223,100 @@ def test_a_step_is_a_part_of_the_fastest_swing_of_two_meshes() -> None:
     train: Any = Made(between=between, speed_rad_s=speed, _at=at)
     ahead = 0.4 + 2.0 * pi * speed * SWINGS / fastest(0.4)
     assert KnockingTrain._step_s(train, 0.4) == pytest.approx(2.0 * pi / (PER_SWING * fastest(ahead)))
+
+
+# --- searches and sizes
+
+
+@pytest.mark.judges("project")
+@at_once("least", [11, 13, 19, 30, 57, 100])
+@at_once("needed", [0.0, 12.0, 19.0, 60.0])
+@at_once("about", [0.05, 0.5])
+@at_once("each", [1, 3])
+def test_the_fewest_are_found_from_any_estimate(least: int, needed: float, about: float, each: int) -> None:
+    """The least multiple from 10 on that is not under a number; none where even the most is under it."""
+    found = fewest(lambda count: count >= least, 10, 90 // each * each, each, needed, about)
+    assert found == (0 if least > 90 else -(-least // each) * each)
+
+
+@pytest.mark.judges("project")
+@pytest.mark.parametrize("covered", [None, 2.5])
+def test_open_gears_run_out_and_back_over_what_is_covered(covered: float | None) -> None:
+    """60 mm of the pitch curves over 2.5 and 1.5 rad, at a module of 2 mm: as whole gears of 24 and 40 teeth."""
+    toothed = covered and Made(covered_rad=covered, covered_mm=60.0)
+    angle = Made(value=np.array([-1.5]))
+    transmission = Made(lobes=Made(driving=2), driven_angle=lambda phi: angle)
+    drive: Any = Made(
+        pitch=Made(size=Made(module_mm=2.0, driving_teeth=20, driven_teeth=30), toothed=toothed),
+        gears=Made(face_width_mm=12.0),
+        machine=Made(speed_rad_s=3.0),
+        transmission=transmission,
+        pair=Made(transmission=Made(lobes=Made(driving=1))),
+        design=Made(strength=Made(mates=4)),
+        stage=2,
+        overlap_ratio=0.5,
+    )
+    found = Geared.running.func(drive)  # type: ignore[attr-defined]
+    assert (found.module_mm, found.teeth, found.face_width_mm, found.speed_rad_s) == (2.0, (20, 30), 12.0, 6.0)
+    assert (found.overlap_ratio, found.mates) == (0.5, 1)
+    drive.stage = 1
+    assert Geared.running.func(drive).mates == 4  # type: ignore[attr-defined]
+    if covered:
+        assert found.stroke_rad == pytest.approx(5.0)
+        assert found.around == pytest.approx((24.0, 40.0))
+
+
+@pytest.mark.judges("solids")
+def test_points_of_single_precision_are_apart_by_two_of_its_steps() -> None:
+    """Numbers from 64 to 128 have steps of 2^(6 - 23)."""
+    assert stl_resolution_mm([3.0, -100.0, 64.0]) == 2.0 * 2.0**-17
+
+
+@pytest.mark.judges("contact")
+@pytest.mark.parametrize("turn", [1e-7, -3e-7])
+def test_the_angle_of_a_touch_is_corrected_by_the_gap_that_is_left_across_its_tangent(turn: float) -> None:
+    """A point 30 mm from the axis that turns on by the rest of the angle, and slides along the tangent."""
+    point, slope = 30.0 * np.exp(0.4j), 2.0 * np.exp(0.9j)
+    state: Any = Made(
+        driving_mm=None,
+        driven_mm=None,
+        turn_rad=np.array([0.2]),
+        point=np.array([point]),
+        slope=np.array([slope]),
+        gap=np.array([point * (np.exp(1j * turn) - 1.0) + 0.001 * slope]),
+    )
+    assert _touches(state).turn_rad - 0.2 == pytest.approx([turn], rel=1e-6)
+
+
+@pytest.mark.judges("trains")
+def test_a_wished_path_is_missed_over_one_whole_turn(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[Any] = []
+    monkeypatch.setattr(tip_path, "distances_mm", lambda points, places: places)
+    motion: Any = Made(tip=lambda angles: asked.append(angles))
+    tip_path.missed_mm(motion, Made(points=None))
+    assert asked[0] == pytest.approx(np.linspace(0.0, 2.0 * pi, tip_path.FINE + 1))
+
+
+@pytest.mark.judges("studio")
+def test_lines_keep_their_numbers_about_lines_that_were_put_in() -> None:
+    """Two new lines: one before three that stay together, and one after them."""
+    former, lines = ["x", "a", "b", "c", "p", "y"], ["x", "n", "a", "b", "c", "m", "p", "q", "y"]
+    assert _counterparts(former, lines) == {0: 0, 2: 1, 3: 2, 4: 3, 6: 4, 8: 5}
+
+
+@pytest.mark.judges("drawings")
+def test_a_picture_of_positions_has_a_panel_for_each(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Three positions beside each other; the whole pair is half as high as wide, the mesh 0.95 of a panel."""
+    from ncgear.drawings.plots import assembled_pair
+
+    asked: list[tuple[float, float]] = []
+
+    def figure(wide: float, high: float, title: str) -> Any:
+        asked.append((wide, high))
+        raise StopIteration
+
+    monkeypatch.setattr(assembled_pair.canvas, "figure", figure)
+    with pytest.raises(StopIteration):
+        assembled_pair.teeth_png(Made(frame=(-10.0, 30.0, 10.0)), 2.0, [Made()] * 3, "title")
+    panel = assembled_pair.PANEL_IN
+    assert asked == [pytest.approx((3.0 * panel + 0.85, 1.45 * panel + 1.5))]

@@ -220,7 +220,7 @@ def compound(carrier_mm: float) -> ArmChain:
 
 
 @pytest.mark.judges("trains")
-@pytest.mark.parametrize("carrier_mm", [50.0, 70.0, 20.0])
+@pytest.mark.parametrize("carrier_mm", [50.0, 70.0, 70.0 * (1.0 + 5e-10), 20.0])
 def test_an_idler_stands_beside_the_carrier_at_both_centre_distances(carrier_mm: float) -> None:
     """Marks of the meshes point along the centre lines at first; a mesh turns its gears against each other."""
     chain = compound(carrier_mm)
