@@ -13,6 +13,7 @@ from shapely import Polygon
 import ncgear.contact.written.apart as apart
 import ncgear.drawings.pictures as pictures
 import ncgear.formulas.laws as laws
+import ncgear.studio.form as form
 import ncgear.trains.tip_path as tip_path
 from at_once import at_once
 from ncgear.balance.waveform import Waveform
@@ -320,3 +321,24 @@ def test_a_picture_of_positions_has_a_panel_for_each(monkeypatch: pytest.MonkeyP
         assembled_pair.teeth_png(Made(frame=(-10.0, 30.0, 10.0)), 2.0, [Made()] * 3, "title")
     panel = assembled_pair.PANEL_IN
     assert asked == [pytest.approx((3.0 * panel + 0.85, 1.45 * panel + 1.5))]
+
+
+@pytest.mark.judges("studio")
+@at_once(
+    ("rules", "value", "kind"),
+    [
+        ([{"type": "number"}, {"type": "string"}], 3.0, "other"),
+        ([{"type": "string"}], "a", "text"),
+        ([{"type": "object"}], "a", "other"),
+        ([{"type": "array"}], None, "numbers"),
+        ([{"enum": ["a", "b"]}], "a", "choice"),
+        ([{"type": "boolean"}], True, "truth"),
+    ],
+)
+def test_a_field_is_of_the_kind_of_its_only_rule(rules: Any, value: Any, kind: str) -> None:
+    key: Any = Made(rule=None, field=Made(is_required=lambda: False), is_law_name=False)
+    with pytest.MonkeyPatch.context() as patch:
+        for name, found in (("choices", rules), ("_head", {}), ("allowed", ""), ("default_words", "none, say")):
+            patch.setattr(form, name, lambda *_, found=found: found)
+        row: Any = form._plain(key, True, value, Made)
+    assert (row["kind"], row["value"], row["needed"], row["hint"]) == (kind, value, False, "none")
