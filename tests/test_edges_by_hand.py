@@ -12,7 +12,9 @@ from shapely import Polygon
 
 import ncgear.contact.written.apart as apart
 import ncgear.drawings.pictures as pictures
+import ncgear.dynamics.quasi_static as quasi_static
 import ncgear.formulas.laws as laws
+import ncgear.kinematics.even_speed as even_speed
 import ncgear.studio.form as form
 import ncgear.trains.tip_path as tip_path
 from at_once import at_once
@@ -342,3 +344,33 @@ def test_a_field_is_of_the_kind_of_its_only_rule(rules: Any, value: Any, kind: s
             patch.setattr(form, name, lambda *_, found=found: found)
         row: Any = form._plain(key, True, value, Made)
     assert (row["kind"], row["value"], row["needed"], row["hint"]) == (kind, value, False, "none")
+
+
+@pytest.mark.judges("dynamics")
+@pytest.mark.parametrize("torque", [5.0, -5.0])
+def test_a_balance_is_between_the_first_touch_and_a_depth_that_bears_the_torque(torque: float) -> None:
+    """Flanks touch 2 mrad ahead of the law, backs 1 mrad behind; each bears 1000 N mm for a rad of its depth."""
+    first = 0.002 if torque > 0.0 else -0.001
+    sense = np.sign(torque)
+
+    def missing(ahead: Any) -> Any:
+        return sense * 1000.0 * np.maximum(sense * (first - ahead), 0.0) - torque
+
+    meshing: Any = Made(gaps=Made(play_rad=lambda phi: (np.array([0.002]), np.array([-0.001]))))
+    low, high = quasi_static._bracket(missing, meshing, np.zeros(1), np.array([torque]))
+    start, end = (high, low) if torque > 0.0 else (low, high)
+    assert start == pytest.approx([first + sense * quasi_static.CLEAR_RAD], abs=1e-15)
+    assert sense * missing(end) >= 0.0
+    assert low < first - torque / 1000.0 < high
+
+
+@pytest.mark.judges("kinematics")
+@pytest.mark.parametrize(("last", "level", "at"), [(0, 2.25, 0.25), (1, 3.4, 1.4), (2, 4.0, 2.0), (1, 9.0, 2.0)])
+def test_a_speed_is_passed_between_its_samples(last: int, level: float, at: float) -> None:
+    """Speeds of 2 + phi at 0, 1 and 2 rad; a speed that is not passed is nearest at an end of its step."""
+    angles = np.array([0.0, 1.0, 2.0])
+    machine: Any = Made(displacement=lambda phi, order: Made(derivative=lambda number: -(2.0 + phi)))
+    on: Any = Made(phi1_rad=angles, speed=2.0 + angles)
+    assert even_speed._where(machine, on, last, level) == pytest.approx(at)
+    still: Any = Made(phi1_rad=angles, speed=np.full(3, 2.0))
+    assert even_speed._where(machine, still, 1, 2.0) == 1.0
