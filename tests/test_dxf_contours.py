@@ -44,10 +44,14 @@ def circle(space: Any) -> None:
 
 
 @cache
-def circle_mm() -> float:
-    """The centre distance of the circle in a file of this system."""
+def drawn_mm(add: Callable[[Any], object]) -> float:
+    """The centre distance of a shape alone in a file of this system."""
     with TemporaryDirectory() as folder:
-        return distance_mm(Path(folder), made(circle))
+        return distance_mm(Path(folder), made(add))
+
+
+def ellipse(space: Any) -> None:
+    space.add_ellipse((0, 0), (30, 0), 0.8)
 
 
 def oval(space: Any, digits: int) -> None:
@@ -80,7 +84,7 @@ def test_contours_of_other_programs_have_the_distances_that_were_found_elsewhere
 
 @pytest.mark.parametrize("way", ["windows", "code page", "binary", "by number"])
 def test_a_file_of_any_system_is_read(tmp_path: Path, way: str) -> None:
-    expected, file = circle_mm(), tmp_path / "contour.dxf"
+    expected, file = drawn_mm(circle), tmp_path / "contour.dxf"
     old = made(circle, "R2000")
     if way == "windows":
         made(circle).saveas(file)
@@ -176,7 +180,7 @@ def test_what_programs_do_with_curves_is_undone(
     tmp_path: Path, add: Callable[[Any], object], version: str, expected_mm: float | None, within: float
 ) -> None:
     if expected_mm is None:
-        expected_mm = distance_mm(tmp_path, made(lambda space: space.add_ellipse((0, 0), (30, 0), 0.8)))
+        expected_mm = drawn_mm(ellipse)
     assert distance_mm(tmp_path, made(add, version)) == pytest.approx(expected_mm, abs=within)
 
 
@@ -323,7 +327,7 @@ def test_what_is_drawn_twice_counts_once_and_is_remarked(
     assert drive.law.facts["contour_doubled_mm"] == pytest.approx(doubled_mm, rel=1e-5)
     (remark,) = (one for one in drawing(drive) if "drawn twice" in one.brief)
     assert not remark.matters
-    wanted = 51.732811 if alone is None else distance_mm(tmp_path, made(alone))
+    wanted = 51.732811 if alone is None else drawn_mm(alone)
     assert drive.law.center_distance_mm == pytest.approx(wanted, abs=1e-6)
 
 
@@ -346,7 +350,7 @@ def chords(count: int) -> Callable[[Any], object]:
 
 @pytest.mark.slow
 def test_many_chords_are_smoothed_within_the_tolerance_that_is_asked_for(tmp_path: Path) -> None:
-    expected = distance_mm(tmp_path, made(lambda space: space.add_ellipse((0, 0), (30, 0), 0.8)))
+    expected = drawn_mm(ellipse)
     with pytest.raises(WrongInput, match="has 2000 chords, and no teeth roll over their corners; give"):
         distance_mm(tmp_path, made(chords(2000)))
     drive = from_folder(tmp_path, more=", tolerance_mm: 0.005")

@@ -26,7 +26,6 @@ from ncgear.figures.side_by_side import design_figures
 from ncgear.figures.simulated import _lasting_s, _peak_at, dynamic_table
 from ncgear.files.editor import with_member
 from ncgear.files.workshop.drawing import gear_notes
-from ncgear.files.workshop.step import _missed_mm, pitch_spline
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.pitch.shape import Gear
 from ncgear.studio.worker import _line
@@ -131,6 +130,8 @@ def test_a_drawing_says_what_its_lines_do_not_show(monkeypatch: pytest.MonkeyPat
 @pytest.mark.judges("files")
 def test_the_spline_of_a_pitch_curve_is_on_it_between_its_knots() -> None:
     """An ellipse about its focus, p/(1 + e cos(phi)) in polar form, at a thousand places; finer ones are nearer."""
+    from ncgear.files.workshop.exact import _missed_mm, pitch_spline
+
     curve = drive_of_text(ELLIPSE).pitch.driving
     spline = pitch_spline(curve, 1e-3)
     x, y = BSpline(spline.knots, spline.poles_mm, 3)(np.linspace(spline.knots[0], spline.knots[-1], 1000)).T
