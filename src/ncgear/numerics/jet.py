@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
-from math import factorial, pi
+from math import factorial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -258,15 +258,6 @@ def arctan(argument: Jet) -> Jet:
         return Jet(values[None, :])
     shorter = argument.truncated(argument.order - 1)
     return (argument.differentiated() / (shorter * shorter + 1.0)).integrated(values)
-
-
-def arctan2(sine_side: Jet, cosine_side: Jet) -> Jet:
-    """Angle in 0..pi/2 of two non-negative sides, dividing by the larger one at each point."""
-    steep = sine_side.value > cosine_side.value
-    smaller = np.where(steep, cosine_side.coefficients, sine_side.coefficients)
-    larger = np.where(steep, sine_side.coefficients, cosine_side.coefficients)
-    turned = arctan(Jet(smaller) / Jet(larger))
-    return Jet(np.where(steep, (pi / 2 - turned).coefficients, turned.coefficients))
 
 
 def polynomial(coefficients: Sequence[float] | Array, argument: Jet) -> Jet:

@@ -213,9 +213,9 @@ def _stroke_laws(
 ) -> Sampled:
     """Three-segment strokes with their returns."""
     count = points.count
-    worked, edges, turned_rad = _working_strokes(strokes, linkage, fineness, kinks_mm)
+    worked, edges = _working_strokes(strokes, linkage, fineness, kinks_mm)
     back_rad = returns.widths_rad(points).T
-    driven, slope, rate, bend, displacement, speed, change = worked
+    slope, rate, bend, displacement, speed, change = worked
     ratio, first, second = _returned(returns, points, 2)
     widths = np.concatenate([*(np.diff(one, axis=0) for one in edges), back_rad])
     inverse, working = 1.0 / slope, len(slope)
@@ -231,17 +231,16 @@ def _stroke_laws(
         turning=slope * widths[:, None],
         there=widths > 0.0,
     )
-    # The working stroke turns by the difference of the angle at its ends; other points than the samples give the turn
-    # of the return.
+    # Other points than the samples give the turn of the return.
     (judged,) = _returned(returns, replace(points, count=count + OTHER), 0)
-    closing = turned_rad + integrated(back_rad[:, None] / judged) - 2.0 * pi
-    turned = integration(count) @ samples.turning[working:]
-    before = np.cumsum(turned[:, -1:], axis=0) - turned[:, -1:]
-    back_driven = turned + before + linkage.working_angle_rad
-    back = _moved(linkage, back_driven, slope[working:], first)
+    closing = linkage.working_angle_rad + integrated(back_rad[:, None] / judged) - 2.0 * pi
+    driven = integration(count) @ samples.turning
+    driven[:working] += _before(driven[:working])
+    driven[working:] += _before(driven[working:]) + linkage.working_angle_rad
+    back = _moved(linkage, driven[working:], slope[working:], first)
     return Sampled(
         samples,
-        np.concatenate([driven, back_driven]),
+        driven,
         displacement,
         np.concatenate([speed, back[1]]),
         np.concatenate([change, back[2]]),
@@ -250,6 +249,12 @@ def _stroke_laws(
         strokes.closing_error_mm,
         closing,
     )
+
+
+def _before(turned: Array) -> Array:
+    """The turn of all pieces before each, shape (p, 1, n), from the turns to the points of each, shape (p, m, n)."""
+    before: Array = np.cumsum(turned[:, -1:], axis=0) - turned[:, -1:]
+    return before
 
 
 def _returned(returns: Returns | PeakedReturns, points: ReturnGrid, order: int) -> list[Array]:
@@ -261,21 +266,19 @@ def _returned(returns: Returns | PeakedReturns, points: ReturnGrid, order: int) 
 
 def _working_strokes(
     strokes: WorkingStrokes[Array], linkage: Mechanisms[Array], fineness: Fineness, kinks_mm: Array
-) -> tuple[list[Array], list[Array], Array]:
-    """The driven angle and three derivatives by the driving angle, the slider's displacement and two derivatives.
+) -> tuple[list[Array], list[Array]]:
+    """Three derivatives of the driven angle by the driving angle, the slider's displacement and two derivatives.
 
-    Each has shape (p, m, n).  Besides the driving angles of the ends of the pieces of each segment (shape (p + 1, n)),
-    and the driven angle of the stroke, shape (n,).
+    Each has shape (p, m, n).  Besides the driving angles of the ends of the pieces of each segment (shape (p + 1, n)).
     """
-    rows, edges, turned_rad = list[list[Array]](), _segments(strokes, fineness), np.zeros_like(strokes.theta2_rad)
+    rows, edges = list[list[Array]](), _segments(strokes, fineness)
     for place, way in enumerate((approach, pressing, braking)):
         ends = edges[place] = _broken(strokes, way, edges[place], kinks_mm)
         phi1 = ends[:-1, None] + np.diff(ends, axis=0)[:, None] * shares(fineness.count)[:, None]
-        advance = way(strokes, phi1, 3)
-        driven = linkage.working_angle(*advance)
-        turned_rad = turned_rad + (driven.value[-1, -1] - driven.value[0, 0])
-        rows.append([*(driven.derivative(k) for k in range(4)), *(advance[0].derivative(k) for k in (0, 1, 2))])
-    return [np.concatenate(parts) for parts in zip(*rows, strict=True)], edges, turned_rad
+        advance = way(strokes, phi1, 2)
+        jets = advance.driven_slope(linkage), advance.displacement
+        rows.append([one.derivative(k) for one in jets for k in range(3)])
+    return [np.concatenate(parts) for parts in zip(*rows, strict=True)], edges
 
 
 def _segments(strokes: WorkingStrokes[Array], fineness: Fineness) -> list[Array]:
@@ -299,11 +302,11 @@ def _segments(strokes: WorkingStrokes[Array], fineness: Fineness) -> list[Array]
 def _broken(strokes: WorkingStrokes[Array], way: Callable[..., Advance], ends: Array, kinks_mm: Array) -> Array:
     """Ends of pieces, extended by the angles at which the output of any stroke passes a place, if no end is there."""
     low, high = ends[0], ends[-1]
-    least, most = (way(strokes, one, 0)[0].value for one in (low, high))
+    least, most = (way(strokes, one, 0).displacement.value for one in (low, high))
     at = [np.clip(kink, least, most) for kink in kinks_mm if np.any((least < kink) & (kink < most))]
 
     def passes(place: Array) -> Array:
-        return zeros_between(lambda phi1: way(strokes, phi1, 0)[0].value - place, low, high)
+        return zeros_between(lambda phi1: way(strokes, phi1, 0).displacement.value - place, low, high)
 
     return np.sort([*ends, *map(passes, at)], axis=0) if at else ends
 
