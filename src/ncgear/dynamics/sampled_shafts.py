@@ -27,7 +27,7 @@ ANGLES = 1024
 DIED_AWAY = 1e-13
 """Share of the largest coefficient, or value, under which the last eighth of a series, or its last term, must lie."""
 
-NODES, TERMS = 4096, 7
+NODES, TERMS = 16384, 5
 """Even angles of the table, and terms of the Taylor series about each."""
 
 

@@ -136,8 +136,7 @@ class CrankRockers(Mechanisms[Number]):
         """
         start, near = self._start_rad, self.nearest_mm
         turned = -self.side * crank_angle
-        half_sine, _ = jet.sin_cos(turned * 0.5)
-        versine = 2.0 * (half_sine * half_sine)
+        versine = jet.sine_versine(turned)[1]
         both_sine, both_cosine = jet.sin_cos(turned + (start + near))
         _, half_cosine = jet.sin_cos((turned + start) * 0.5)
         opened = half_cosine * half_cosine * (4.0 * self.crank_mm * self.ground_mm)

@@ -71,9 +71,7 @@ class CrankSliders(Mechanisms[Number]):
         - pin advance and rod lengths are the rod's projections on the slider's line.  The larger of x and y is free of
         cancellation; y is the larger, except where the rod is hardly longer than the crank.
         """
-        half_sine, half_cosine = jet.sin_cos(crank_angle * 0.5)
-        versine = 2.0 * (half_sine * half_sine)
-        sine = 2.0 * (half_sine * half_cosine)
+        sine, versine = jet.sine_versine(crank_angle)
         reach = self.rod_mm - self.crank_mm
         along = self.crank_mm * self.nearest_mm / reach
         across = self.crank_mm * self.offset_mm / reach

@@ -54,9 +54,8 @@ class ScotchYoke(Mechanism):
         return pi + 0.0 * self.crank_mm
 
     def displacement(self, crank_angle: Jet) -> Jet:
-        """2 r sin^2(phi2/2)."""
-        half_sine, _ = jet.sin_cos(crank_angle * 0.5)
-        return 2.0 * self.crank_mm * (half_sine * half_sine)
+        """r (1 - cos(phi2))."""
+        return self.crank_mm * jet.sine_versine(crank_angle)[1]
 
     def working_angle(self, displacement_mm: Array, remaining_mm: Array) -> Array:
         """tan^2(phi2/2) = x / (2 r - x)."""

@@ -94,9 +94,8 @@ class SlottedLevers(Mechanisms[Number]):
 
         The product with the versine, distance less l + r sin(phi2), is computed in a form that does not cancel.
         """
-        half_sine, half_cosine = jet.sin_cos(crank_angle * 0.5)
-        across = half_sine * half_sine * (2.0 * self.crank_mm)
-        along = half_sine * half_cosine * (2.0 * self.crank_mm) + self._foot_mm
+        sine, versine = jet.sine_versine(crank_angle)
+        across, along = versine * self.crank_mm, sine * self.crank_mm + self._foot_mm
         _, beside = jet.sin_cos((crank_angle - (0.5 * pi + self._swing_rad)) * 0.5)
         distance = jet.sqrt(
             beside * beside * (4.0 * self.crank_mm * self.pivot_mm) + (self.pivot_mm - self.crank_mm) ** 2

@@ -146,18 +146,30 @@ def sqrt(argument: Jet) -> Jet:
 
 def sin_cos(argument: Jet) -> tuple[Jet, Jet]:
     """Sine and cosine together, since each one's recurrence needs the other."""
-    return _pair(argument.coefficients, np.sin, np.cos, -1.0)
+    values = argument.value
+    return _pair(argument.coefficients, np.sin(values), np.cos(values), -1.0)
+
+
+def sine_versine(argument: Jet) -> tuple[Jet, Jet]:
+    """Sine and 1 - cosine together, from half the angle: the versine is relatively accurate at its zeros."""
+    half = np.sin(0.5 * argument.value)
+    versine = 2.0 * half * half
+    sine, cosine = _pair(argument.coefficients, 2.0 * half * np.cos(0.5 * argument.value), 1.0 - versine, -1.0)
+    rows = np.negative(cosine.coefficients, out=cosine.coefficients)
+    rows[0] = versine
+    return sine, cosine
 
 
 def sinh_cosh(argument: Jet) -> tuple[Jet, Jet]:
     """Hyperbolic sine and cosine together, since each one's recurrence needs the other."""
-    return _pair(argument.coefficients, np.sinh, np.cosh, 1.0)
+    values = argument.value
+    return _pair(argument.coefficients, np.sinh(values), np.cosh(values), 1.0)
 
 
-def _pair(a: Array, odd: np.ufunc, even: np.ufunc, sign: float) -> tuple[Jet, Jet]:
-    """Two functions: the odd one's derivative is the even one, the even one's is ``sign`` times the odd one."""
+def _pair(a: Array, odd: Array, even: Array, sign: float) -> tuple[Jet, Jet]:
+    """Two functions by their values: the derivative of the odd one is the even one, and ``sign`` times the odd one."""
     sine, cosine = np.empty_like(a), np.empty_like(a)
-    sine[0], cosine[0] = odd(a[0]), even(a[0])
+    sine[0], cosine[0] = odd, even
     count = _rows(a) - 1
     slopes = _slopes(a[: count + 1])
     for k in range(1, len(a)):

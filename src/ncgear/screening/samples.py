@@ -47,6 +47,8 @@ THIRDS = 0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0
 CLOSING_STEPS = 24
 """Newton's steps that close a return; some ten are needed from a start next to a zero of the polynomial."""
 
+_Cuts = tuple[float, ...] | Array
+
 WORKING_QUARTERINGS = 5
 """Quarterings of approach and braking towards where the slider hardly moves."""
 
@@ -194,13 +196,20 @@ class _Strokes(Laws):
     def _constant(self) -> Array:
         return self.batch.column("motion.return.e")
 
+    @cached_property
+    def _breaks_rad(self) -> Array:
+        """Driving angles at which the output passes each place where the force begins or ends, shape (k, n)."""
+        segments = list(zip((approach, pressing, braking), _segments(self.strokes, WHOLE, WHOLE), strict=True))
+        passed = (sum(_passed_rad(self.strokes, *one, kink) for one in segments) for kink in self.batch.kinks_mm)
+        return np.array([*passed]).reshape(-1, len(self.batch))
+
     def sampled(self, rows: IndexArray, fineness: Fineness) -> Sampled:
         """Samples of strokes that advance."""
         strokes, linkage = chosen(self.strokes, rows), chosen(self.batch.mechanisms, rows)
         closed = peaked_returns if fineness.returned is None else returns_with_constant
         points = ReturnGrid(fineness.returned or WHOLE, fineness.count, CLOSING_STEPS)
         returns = closed(strokes, linkage, self.period_rad, self._constant[rows], points)
-        return _stroke_laws(strokes, linkage, returns, fineness, points, self.batch.kinks_mm)
+        return _stroke_laws(strokes, linkage, returns, fineness, points, self._breaks_rad[:, rows])
 
 
 def _stroke_laws(
@@ -209,11 +218,11 @@ def _stroke_laws(
     returns: Returns | PeakedReturns,
     fineness: Fineness,
     points: ReturnGrid,
-    kinks_mm: Array,
+    breaks_rad: Array,
 ) -> Sampled:
     """Three-segment strokes with their returns."""
     count = points.count
-    worked, edges = _working_strokes(strokes, linkage, fineness, kinks_mm)
+    worked, edges = _working_strokes(strokes, linkage, fineness, breaks_rad)
     back_rad = returns.widths_rad(points).T
     slope, rate, bend, displacement, speed, change = worked
     ratio, first, second = _returned(returns, points, 2)
@@ -265,15 +274,15 @@ def _returned(returns: Returns | PeakedReturns, points: ReturnGrid, order: int) 
 
 
 def _working_strokes(
-    strokes: WorkingStrokes[Array], linkage: Mechanisms[Array], fineness: Fineness, kinks_mm: Array
+    strokes: WorkingStrokes[Array], linkage: Mechanisms[Array], fineness: Fineness, breaks_rad: Array
 ) -> tuple[list[Array], list[Array]]:
     """Three derivatives of the driven angle by the driving angle, the slider's displacement and two derivatives.
 
     Each has shape (p, m, n).  Besides the driving angles of the ends of the pieces of each segment (shape (p + 1, n)).
     """
-    rows, edges = list[list[Array]](), _segments(strokes, fineness)
+    rows, edges = list[list[Array]](), _segments(strokes, *_cuts(strokes, fineness))
     for place, way in enumerate((approach, pressing, braking)):
-        ends = edges[place] = _broken(strokes, way, edges[place], kinks_mm)
+        ends = edges[place] = _broken(edges[place], breaks_rad)
         phi1 = ends[:-1, None] + np.diff(ends, axis=0)[:, None] * shares(fineness.count)[:, None]
         advance = way(strokes, phi1, 2)
         jets = advance.driven_slope(linkage), advance.displacement
@@ -281,34 +290,41 @@ def _working_strokes(
     return [np.concatenate(parts) for parts in zip(*rows, strict=True)], edges
 
 
-def _segments(strokes: WorkingStrokes[Array], fineness: Fineness) -> list[Array]:
-    """The driving angles of the ends of pieces of approach, pressing and braking, shape (p + 1, n) each.
-
-    They are cut at the given shares, or towards the least v/phi1 and towards theta4.  There the ratio may be nearly
-    singular, as the slider nearly stops, or starts or ends with hardly any acceleration.
-    """
+def _segments(strokes: WorkingStrokes[Array], approached: _Cuts, braked: _Cuts) -> list[Array]:
+    """The driving angles of the ends of pieces of approach, pressing and braking, shape (p + 1, n) each."""
     theta2, theta3, theta4 = strokes.theta2_rad, strokes.theta3_rad, strokes.theta4_rad
-    cuts = [np.array(one)[:, None] for one in (fineness.approach or WHOLE, WHOLE, WHOLE)]
-    if fineness.approach is None:
-        slowest = _slowest(strokes)
-        cuts[0] = slowest + edges_about(slowest, WORKING_QUARTERINGS).T
-        # The pieces beyond the end of the braking have no length in any stroke.
-        last = edges_about(np.ones(1), WORKING_QUARTERINGS)
-        cuts[2] = 1.0 + np.unique(last)[:, None]
-    ends = zip((0.0 * theta2, theta2, theta3), (theta2, theta3, theta4), strict=True)
-    return [start + (end - start) * cut for (start, end), cut in zip(ends, cuts, strict=True)]
+    ends = zip((0.0 * theta2, theta2, theta3), (theta2, theta3, theta4), (approached, WHOLE, braked), strict=True)
+    return [np.array([start + (end - start) * cut for cut in cuts]) for start, end, cuts in ends]
 
 
-def _broken(strokes: WorkingStrokes[Array], way: Callable[..., Advance], ends: Array, kinks_mm: Array) -> Array:
-    """Ends of pieces, extended by the angles at which the output of any stroke passes a place, if no end is there."""
-    low, high = ends[0], ends[-1]
-    least, most = (way(strokes, one, 0).displacement.value for one in (low, high))
-    at = [np.clip(kink, least, most) for kink in kinks_mm if np.any((least < kink) & (kink < most))]
+def _cuts(strokes: WorkingStrokes[Array], fineness: Fineness) -> tuple[_Cuts, _Cuts]:
+    """Shares at which approach and braking are cut: given ones, or shares towards the least v/phi1 and towards theta4.
 
-    def passes(place: Array) -> Array:
-        return zeros_between(lambda phi1: way(strokes, phi1, 0).displacement.value - place, low, high)
+    There the ratio may be nearly singular, as the slider nearly stops, or starts or ends with hardly any acceleration.
+    """
+    if fineness.approach is not None:
+        return fineness.approach, WHOLE
+    slowest = _slowest(strokes)
+    # The pieces beyond the end of the braking have no length in any stroke.
+    return slowest + edges_about(slowest, WORKING_QUARTERINGS).T, 1.0 + np.unique(
+        edges_about(np.ones(1), WORKING_QUARTERINGS)
+    )
 
-    return np.sort([*ends, *map(passes, at)], axis=0) if at else ends
+
+def _broken(ends: Array, breaks_rad: Array) -> Array:
+    """Ends of pieces, extended by the angles that lie between them in any stroke."""
+    inside = np.any((ends[0] < breaks_rad) & (breaks_rad < ends[-1]), axis=1)
+    return np.sort([*ends, *np.clip(breaks_rad[inside], ends[0], ends[-1])], axis=0) if inside.any() else ends
+
+
+def _passed_rad(strokes: WorkingStrokes[Array], way: Callable[..., Advance], ends: Array, place_mm: float) -> Array:
+    """The driving angle of a segment before the output passes a place, shape (n,); all or nothing of other segments."""
+
+    def moved(phi1: Array) -> Array:
+        return way(strokes, phi1, 0).displacement.value
+
+    place = np.clip(place_mm, *map(moved, ends))
+    return zeros_between(lambda phi1: moved(phi1) - place, *ends) - ends[0]
 
 
 def _slowest(strokes: WorkingStrokes[Array]) -> Array:

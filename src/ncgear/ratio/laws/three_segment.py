@@ -38,7 +38,7 @@ def working_pieces(stroke: ClosedStroke, linkage: Mechanism) -> tuple[Piece, ...
 class Advance(NamedTuple):
     """The displacement x in mm with derivatives, and (stroke - x), which is as accurate near its zero as x near its.
 
-    ``root`` is the smooth root of x (stroke - x), ``rate`` is the derivative of x over it, regular at both dead centres.
+    ``root`` is the smooth root of x (stroke - x), ``rate`` the derivative of x over it, regular at both dead centres.
     """
 
     displacement: Jet
