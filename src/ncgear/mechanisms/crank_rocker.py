@@ -182,7 +182,7 @@ class CrankRockers(Mechanisms[Number]):
         turned = root * (cosine * -self.ground_mm + self.rocker_mm) * (self.side * self.rocker_mm)
         return (sine * (square + self._near_mm * self._far_mm) / ends + turned) / square
 
-    def _square(self, half_sine: Number | Jet) -> Any:
+    def _square(self, half_sine: Array | Jet) -> Any:
         """OB^2 in mm^2 from sin(gamma/2)."""
         square = half_sine * half_sine * (4.0 * self.ground_mm * self.rocker_mm)
         return square + (self.ground_mm - self.rocker_mm) ** 2

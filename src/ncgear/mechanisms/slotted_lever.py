@@ -128,7 +128,7 @@ class SlottedLevers(Mechanisms[Number]):
         """1 + root/(l cos(lever's angle)) with l the lever's length: d chi/dx is the inverse of that product."""
         return root / (jet.sqrt(self._square_cosine(displacement)) * self.lever_mm) + 1.0
 
-    def _square_cosine(self, displacement: Number | Jet) -> Any:
+    def _square_cosine(self, displacement: Array | Jet) -> Any:
         """1 - sin^2 of the lever's angle, whose sine is x/l - r/d."""
         gone, share = displacement * (1.0 / self.lever_mm), self.crank_mm / self.pivot_mm
         return (1.0 + share - gone) * (gone + (1.0 - share))

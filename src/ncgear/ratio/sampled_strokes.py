@@ -387,9 +387,9 @@ def return_samples(
 def _cubic(strokes: WorkingStrokes[Array], linkage: Mechanisms[Any], length: Array, *, inverse: bool) -> Array:
     """The cubic in tau with the values and slopes of the two ends, shape (4, n)."""
     advances = braking(strokes, strokes.theta4_rad, 1), approach(strokes, np.zeros_like(length), 1)
-    far, near = (one.driven_slope(linkage) for one in advances)
-    ends = (one if inverse else 1.0 / one for one in (far, near))
-    return np.stack(hermite(*(one.derivative(k) for one in ends for k in (0, 1)), length))
+    slopes = (one.driven_slope(linkage) for one in advances)
+    far, near = (one if inverse else 1.0 / one for one in slopes)
+    return np.stack(hermite(far.value, far.derivative(1), near.value, near.derivative(1), length))
 
 
 def _ratio_lift(base: Array, direction: Array, mean: Array, points: ReturnGrid) -> Array:
