@@ -173,7 +173,7 @@ def test_mechanisms_there_and_back(case: Case) -> None:
     assert [float(one) for one in again] == pytest.approx((at**2).tolist(), rel=1e-13)
     by = Jet.variable(at, 1)
     rest = jet.sqrt(linkage.stroke_mm - by * by)
-    turned = linkage.pace(by * by, by * rest).value * 2.0 / rest.value
+    turned = linkage.regular_slope(by * by, by * rest).value * 2.0 / rest.value
     assert [float(1 / one) for one in values["i_12"]] == pytest.approx(turned.tolist(), rel=1e-12)
 
 

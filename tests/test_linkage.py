@@ -186,7 +186,7 @@ def test_working_angle_as_a_series_is_the_identity(lengths: Lengths) -> None:
     displaced = linkage.displacement(Jet.variable(angles, 4))
     remaining = linkage.stroke_mm - displaced
     root = jet.sqrt(displaced * remaining)
-    slope = displaced.differentiated() / root.truncated(3) * linkage.pace(displaced, root).truncated(3)
+    slope = displaced.differentiated() / root.truncated(3) * linkage.regular_slope(displaced, root).truncated(3)
     found = slope.integrated(linkage.working_angle(displaced.value, remaining.value))
     exact = Jet.variable(angles, 4).coefficients
     # Two inverse series after each other, of coefficients up to some tens: thousands of rounding errors
@@ -219,7 +219,7 @@ def test_working_angle_is_regular_at_the_dead_centres_themselves(lengths: Length
     root = vanishing * whole
     # Both are zero here: their powers of h are one less after the division
     rate = Jet(displaced.differentiated().coefficients[1:]) / Jet(root.coefficients[1:order])
-    slope = rate * linkage.pace(displaced, root).truncated(order - 2)
+    slope = rate * linkage.regular_slope(displaced, root).truncated(order - 2)
     assert slope.coefficients[:, 0] == pytest.approx([1.0, 0.0, 0.0], abs=1e-12)
     ends = np.array([linkage.stroke_mm, 0.0] if extended else [0.0, linkage.stroke_mm])[:, None]
     assert linkage.working_angle(*ends) == pytest.approx(linkage.working_angle_rad if extended else 0.0, abs=1e-15)

@@ -168,7 +168,7 @@ class CrankRockers(Mechanisms[Number]):
         angle: Array = 2.0 * (np.arctan2(sine_side, cosine_side) + self._half_tilt(displacement_mm))
         return angle
 
-    def pace(self, displacement: Jet, root: Jet) -> Jet:
+    def regular_slope(self, displacement: Jet, root: Jet) -> Jet:
         """The slope of w, which the law of cosines gives as in a crank-slider, and that of s, times the root.
 
         In both, s^2 - s0^2 and s1^2 - s^2 are as in ``working_angle``, with sin(z) = z sinc(z).

@@ -102,7 +102,7 @@ class CrankSliders(Mechanisms[Number]):
         angle: Array = 2.0 * np.arctan2(np.sqrt(displacement_mm * ratio) * stretch, np.sqrt(remaining_mm)) + tilt
         return angle
 
-    def pace(self, displacement: Jet, root: Jet) -> Jet:
+    def regular_slope(self, displacement: Jet, root: Jet) -> Jet:
         """p (d^2 + l3^2 - l2^2)/(d^2 ((p + near)(p + far))^(1/2)) + e root/d^2, with p the place and d^2 = p^2 + e^2.
 
         The first term is from the law of cosines in the triangle of crank, rod and d, whose area has the root in it;

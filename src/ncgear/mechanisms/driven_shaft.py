@@ -74,7 +74,7 @@ class DrivenShaft(Mechanism):
         """The displacement itself."""
         return displacement_mm
 
-    def pace(self, displacement: Jet, root: Jet) -> Jet:
+    def regular_slope(self, displacement: Jet, root: Jet) -> Jet:
         """The root itself."""
         return root
 

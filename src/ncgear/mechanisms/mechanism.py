@@ -161,7 +161,7 @@ class Mechanisms(ABC, Generic[Number]):
         """Crank angle in rad in the working stroke, at displacements x and at (stroke - x), both of shape (n,)."""
 
     @abstractmethod
-    def pace(self, displacement: Jet, root: Jet) -> Jet:
+    def regular_slope(self, displacement: Jet, root: Jet) -> Jet:
         """The slope of the crank angle by the displacement x, times a smooth root of x (stroke - x), with derivatives.
 
         The product is regular up to and including both dead centres.  There x (stroke - x) has double zeros, but its

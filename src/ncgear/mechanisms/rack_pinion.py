@@ -81,7 +81,7 @@ class RackPinion(Mechanism):
         """x / r."""
         return displacement_mm / self.radius_mm
 
-    def pace(self, displacement: Jet, root: Jet) -> Jet:
+    def regular_slope(self, displacement: Jet, root: Jet) -> Jet:
         """The root over r."""
         return root * (1.0 / self.radius_mm)
 

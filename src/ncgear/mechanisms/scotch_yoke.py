@@ -61,7 +61,7 @@ class ScotchYoke(Mechanism):
         """tan^2(phi2/2) = x / (2 r - x)."""
         return 2.0 * np.arctan2(np.sqrt(displacement_mm), np.sqrt(remaining_mm))
 
-    def pace(self, displacement: Jet, root: Jet) -> Jet:
+    def regular_slope(self, displacement: Jet, root: Jet) -> Jet:
         """1, from x (2 r - x) = r^2 sin^2(phi2)."""
         return 0.0 * displacement + 1.0
 

@@ -124,7 +124,7 @@ class SlottedLevers(Mechanisms[Number]):
         at_block = 2.0 * np.arctan2(np.sqrt(displacement_mm), np.sqrt(remaining_mm))
         return at_block + self._lever_angle(displacement_mm)
 
-    def pace(self, displacement: Jet, root: Jet) -> Jet:
+    def regular_slope(self, displacement: Jet, root: Jet) -> Jet:
         """1 + root/(l cos(lever's angle)) with l the lever's length: d chi/dx is the inverse of that product."""
         return root / (jet.sqrt(self._square_cosine(displacement)) * self.lever_mm) + 1.0
 

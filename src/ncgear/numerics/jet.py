@@ -138,9 +138,10 @@ def sqrt(argument: Jet) -> Jet:
     a = argument.coefficients
     root = np.empty_like(a)
     root[0] = np.sqrt(a[0])
+    twice = 2.0 * root[0]
     for k in range(1, len(a)):
         rest = a[k] - _paired(root[1:k], root[1:k]) if k > 1 else a[k]
-        np.divide(rest, 2.0 * root[0], out=root[k])
+        np.divide(rest, twice, out=root[k])
     return Jet(root)
 
 

@@ -48,7 +48,7 @@ class Advance(NamedTuple):
 
     def driven_slope(self, linkage: Mechanisms[Any]) -> Jet:
         """dphi2/dphi1, with derivatives."""
-        return self.rate * linkage.pace(self.displacement, self.root)
+        return self.rate * linkage.regular_slope(self.displacement, self.root)
 
     def driven_angle(self, linkage: Mechanisms[Any], order: int) -> Jet:
         """phi2 in rad, with derivatives."""
