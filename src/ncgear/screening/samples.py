@@ -47,8 +47,6 @@ THIRDS = 0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0
 CLOSING_STEPS = 24
 """Newton's steps that close a return; some ten are needed from a start next to a zero of the polynomial."""
 
-_Cuts = tuple[float, ...] | Array
-
 WORKING_QUARTERINGS = 5
 """Quarterings of approach and braking towards where the slider hardly moves."""
 
@@ -199,7 +197,7 @@ class _Strokes(Laws):
     @cached_property
     def _breaks_rad(self) -> Array:
         """Driving angles at which the output passes each place where the force begins or ends, shape (k, n)."""
-        segments = list(zip((approach, pressing, braking), _segments(self.strokes, WHOLE, WHOLE), strict=True))
+        segments = list(zip((approach, pressing, braking), _segments(self.strokes, Fineness(0)), strict=True))
         passed = (sum(_passed_rad(self.strokes, *one, kink) for one in segments) for kink in self.batch.kinks_mm)
         return np.array([*passed]).reshape(-1, len(self.batch))
 
@@ -280,7 +278,7 @@ def _working_strokes(
 
     Each has shape (p, m, n).  Besides the driving angles of the ends of the pieces of each segment (shape (p + 1, n)).
     """
-    rows, edges = list[list[Array]](), _segments(strokes, *_cuts(strokes, fineness))
+    rows, edges = list[list[Array]](), _segments(strokes, fineness)
     for place, way in enumerate((approach, pressing, braking)):
         ends = edges[place] = _broken(edges[place], breaks_rad)
         phi1 = ends[:-1, None] + np.diff(ends, axis=0)[:, None] * shares(fineness.count)[:, None]
@@ -290,25 +288,22 @@ def _working_strokes(
     return [np.concatenate(parts) for parts in zip(*rows, strict=True)], edges
 
 
-def _segments(strokes: WorkingStrokes[Array], approached: _Cuts, braked: _Cuts) -> list[Array]:
-    """The driving angles of the ends of pieces of approach, pressing and braking, shape (p + 1, n) each."""
-    theta2, theta3, theta4 = strokes.theta2_rad, strokes.theta3_rad, strokes.theta4_rad
-    ends = zip((0.0 * theta2, theta2, theta3), (theta2, theta3, theta4), (approached, WHOLE, braked), strict=True)
-    return [np.array([start + (end - start) * cut for cut in cuts]) for start, end, cuts in ends]
+def _segments(strokes: WorkingStrokes[Array], fineness: Fineness) -> list[Array]:
+    """The driving angles of the ends of pieces of approach, pressing and braking, shape (p + 1, n) each.
 
-
-def _cuts(strokes: WorkingStrokes[Array], fineness: Fineness) -> tuple[_Cuts, _Cuts]:
-    """Shares at which approach and braking are cut: given ones, or shares towards the least v/phi1 and towards theta4.
-
-    There the ratio may be nearly singular, as the slider nearly stops, or starts or ends with hardly any acceleration.
+    They are cut at the given shares, or towards the least v/phi1 and towards theta4.  There the ratio may be nearly
+    singular, as the slider nearly stops, or starts or ends with hardly any acceleration.
     """
-    if fineness.approach is not None:
-        return fineness.approach, WHOLE
-    slowest = _slowest(strokes)
-    # The pieces beyond the end of the braking have no length in any stroke.
-    return slowest + edges_about(slowest, WORKING_QUARTERINGS).T, 1.0 + np.unique(
-        edges_about(np.ones(1), WORKING_QUARTERINGS)
-    )
+    theta2, theta3, theta4 = strokes.theta2_rad, strokes.theta3_rad, strokes.theta4_rad
+    cuts = [np.array(one)[:, None] for one in (fineness.approach or WHOLE, WHOLE, WHOLE)]
+    if fineness.approach is None:
+        slowest = _slowest(strokes)
+        cuts[0] = slowest + edges_about(slowest, WORKING_QUARTERINGS).T
+        # The pieces beyond the end of the braking have no length in any stroke.
+        last = edges_about(np.ones(1), WORKING_QUARTERINGS)
+        cuts[2] = 1.0 + np.unique(last)[:, None]
+    ends = zip((0.0 * theta2, theta2, theta3), (theta2, theta3, theta4), strict=True)
+    return [start + (end - start) * cut for (start, end), cut in zip(ends, cuts, strict=True)]
 
 
 def _broken(ends: Array, breaks_rad: Array) -> Array:
