@@ -103,14 +103,6 @@ def test_numbers_of_a_last_axis_belong_to_all_points_of_their_column() -> None:
         assert np.array_equal(found.coefficients[:, :, column], alone.coefficients)
 
 
-def test_the_angle_of_two_sides_is_exact_on_both_sides_of_the_diagonal() -> None:
-    points = np.linspace(0.0, np.pi / 2.0, 9).reshape(3, 3)
-    t = Jet.variable(points, 3)
-    sine, cosine = jet.sin_cos(t)
-    found = jet.arctan2(sine * (t + 2.0), cosine * (t + 2.0)).coefficients
-    assert miss(found, Jet.variable(points, 3).coefficients) <= ROUNDING
-
-
 def test_the_comparison_would_see_a_wrong_fifth_derivative() -> None:
     points = np.array([0.3, 1.1])
     exact = taylor(mp.sin, points)

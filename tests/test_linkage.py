@@ -173,9 +173,8 @@ def test_working_angle_undoes_displacement_up_to_both_dead_centres(lengths: Leng
     angles = np.concatenate([near, np.linspace(0.02, end - 0.02, 30), end - near])
     with mp.workdps(60):
         displaced = [exact.displacement(mp.mpf(float(angle))) for angle in angles]
-        roots = [[float(mp.sqrt(x)) for x in displaced], [float(mp.sqrt(exact.stroke() - x)) for x in displaced]]
-    values = [Jet(np.array([row])) for row in ([float(x) for x in displaced], *roots)]
-    found = linkage.working_angle(*values).value
+        parts = [[float(x) for x in row] for row in (displaced, [exact.stroke() - x for x in displaced])]
+    found = linkage.working_angle(*map(np.array, parts))
     assert np.max(np.abs(found / angles - 1.0)) <= 1e-12  # the accuracy promised; relative, so 1e-21 rad at 1e-9 rad
     assert np.max(np.abs((found - angles)[-4:])) <= 1e-15 * 4  # four rounding errors of pi, next to the extended end
 
@@ -185,7 +184,10 @@ def test_working_angle_as_a_series_is_the_identity(lengths: Lengths) -> None:
     linkage = CrankSlider(*lengths)
     angles = np.linspace(0.3, linkage.working_angle_rad - 0.3, 12)
     displaced = linkage.displacement(Jet.variable(angles, 4))
-    found = linkage.working_angle(displaced, jet.sqrt(displaced), jet.sqrt(linkage.stroke_mm - displaced))
+    remaining = linkage.stroke_mm - displaced
+    root = jet.sqrt(displaced * remaining)
+    slope = displaced.differentiated() / root.truncated(3) * linkage.regular_slope(displaced, root).truncated(3)
+    found = slope.integrated(linkage.working_angle(displaced.value, remaining.value))
     exact = Jet.variable(angles, 4).coefficients
     # Two inverse series after each other, of coefficients up to some tens: thousands of rounding errors
     assert np.max(np.abs(found.coefficients - exact)) <= 1e-11
@@ -211,10 +213,16 @@ def test_working_angle_is_regular_at_the_dead_centres_themselves(lengths: Length
         vanishing, full = (other, series) if extended else (series, other)
         vanishing_root = root_series(vanishing, -1 if extended else 1)
         full_root = mp.taylor(lambda h: mp.sqrt(mp.polyval(full[::-1], h)), 0, order)
-    parts = [series, full_root, vanishing_root] if extended else [series, vanishing_root, full_root]
-    jets = [Jet(np.array([[float(c)] for c in part[: order + 1]])) for part in parts]
-    identity = [linkage.working_angle_rad if extended else 0.0, 1.0, 0.0, 0.0, 0.0]
-    assert linkage.working_angle(*jets).coefficients[:, 0] == pytest.approx(identity, abs=1e-12)
+    displaced, vanishing, whole = (
+        Jet(np.array([[float(c)] for c in part[: order + 1]])) for part in (series, vanishing_root, full_root)
+    )
+    root = vanishing * whole
+    # Both are zero here: their powers of h are one less after the division
+    rate = Jet(displaced.differentiated().coefficients[1:]) / Jet(root.coefficients[1:order])
+    slope = rate * linkage.regular_slope(displaced, root).truncated(order - 2)
+    assert slope.coefficients[:, 0] == pytest.approx([1.0, 0.0, 0.0], abs=1e-12)
+    ends = np.array([linkage.stroke_mm, 0.0] if extended else [0.0, linkage.stroke_mm])[:, None]
+    assert linkage.working_angle(*ends) == pytest.approx(linkage.working_angle_rad if extended else 0.0, abs=1e-15)
 
 
 @every_linkage

@@ -111,7 +111,9 @@ def test_the_crank_angle_of_a_stroke_turns_the_displacement_back(case: Case) -> 
     away = np.abs(0.5 * pi * (1.0 - share))
     cosine = Jet(np.vstack([np.sin(away)[None, :], cosine.coefficients[1:]]))
     root, rest = sine * np.sqrt(stroke), cosine * np.sqrt(stroke)
-    angle = made.working_angle(root * root, root, rest)
+    # dx is 2 stroke sin cos, twice the root of both parts
+    slope = made.regular_slope(root * root, root * rest) * 2.0
+    angle = slope.truncated(1).integrated(made.working_angle(root.value**2, rest.value**2))
     assert angle.value[[0, -1]] == pytest.approx([0.0, working], abs=1e-15)
     assert np.all(np.isfinite(angle.coefficients))
     back, wanted = made.displacement(angle), root * root

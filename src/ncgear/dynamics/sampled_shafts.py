@@ -27,8 +27,8 @@ ANGLES = 1024
 DIED_AWAY = 1e-13
 """Share of the largest coefficient, or value, under which the last eighth of a series, or its last term, must lie."""
 
-NODES, TERMS = 4096, 7
-"""Even angles of the table, and terms of the Taylor series about each."""
+NODES, TERMS = 16384, 5
+"""Even angles of the table, a power of two, and terms of the Taylor series about each."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +43,7 @@ class CrankTable:
     def torque_n_mm(self, crank_rad: Array, slope: Array, first: Array, speed_rad_s: Array) -> Array:
         """Torque of masses and weights on the driving shaft, for s and f' at crank angles, shape (..., n)."""
         place = np.rint(crank_rad * (NODES / (2.0 * pi)))
-        beyond, node = crank_rad - place * (2.0 * pi / NODES), place.astype(np.intp) % NODES
+        beyond, node = crank_rad - place * (2.0 * pi / NODES), place.astype(np.intp) & (NODES - 1)
         values = self.series[-1].take(node, axis=1)
         for term in self.series[-2::-1]:
             values *= beyond

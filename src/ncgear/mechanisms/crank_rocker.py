@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import factorial, pi
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -136,8 +136,7 @@ class CrankRockers(Mechanisms[Number]):
         """
         start, near = self._start_rad, self.nearest_mm
         turned = -self.side * crank_angle
-        half_sine, _ = jet.sin_cos(turned * 0.5)
-        versine = 2.0 * (half_sine * half_sine)
+        versine = jet.sine_versine(turned)[1]
         both_sine, both_cosine = jet.sin_cos(turned + (start + near))
         _, half_cosine = jet.sin_cos((turned + start) * 0.5)
         opened = half_cosine * half_cosine * (4.0 * self.crank_mm * self.ground_mm)
@@ -155,39 +154,49 @@ class CrankRockers(Mechanisms[Number]):
         run = Jet(np.where(ahead, (root + across).coefficients, (2.0 * along - raised).coefficients))
         return 2.0 * jet.arctan(rise / run)
 
-    def working_angle(self, displacement: Jet, root_displaced: Jet, root_remaining: Jet) -> Jet:
-        """Crank angle in rad, with derivatives, in the working stroke, regular up to and including both dead centres.
+    def working_angle(self, displacement_mm: Array, remaining_mm: Array) -> Array:
+        """Crank angle in rad in the working stroke, at angles of the rocker and at the rest of its swing, shape (n,).
 
         With s = OB, and s0 and s1 its ends, the triangle of crank, coupler and s gives the angle w between its crank
         and the crank of the retracted dead centre, without the turning of s: tan^2(w/2) = (s - s0)(s + s1)/((s1 - s)(s
         + s0)), where s^2 - s0^2 = 4 c d sin(x/2) sin(gamma0 + x/2), and likewise at the other end.
         """
-        near, far = self.nearest_mm, self.nearest_mm + self.stroke_mm
-        remaining = root_remaining * root_remaining
-        distance = self._distance(displacement)
-        rise, _ = jet.sin_cos(displacement * 0.5 + near)
-        fall, _ = jet.sin_cos(far - remaining * 0.5)
-        gone = root_displaced * jet.sqrt(_sinc(displacement * 0.5) * rise) * (distance + self._far_mm)
-        left = root_remaining * jet.sqrt(_sinc(remaining * 0.5) * fall) * (distance + self._near_mm)
-        return 2.0 * jet.arctan2(gone, left) + 2.0 * self._half_tilt(displacement)
+        near, distance = self.nearest_mm, np.sqrt(self._square(np.sin(0.5 * (displacement_mm + self.nearest_mm))))
+        gone = np.sin(0.5 * displacement_mm) * np.sin(near + 0.5 * displacement_mm)
+        left = np.sin(0.5 * remaining_mm) * np.sin(near + self.stroke_mm - 0.5 * remaining_mm)
+        sine_side, cosine_side = np.sqrt(gone) * (distance + self._far_mm), np.sqrt(left) * (distance + self._near_mm)
+        angle: Array = 2.0 * (np.arctan2(sine_side, cosine_side) + self._half_tilt(displacement_mm))
+        return angle
 
-    def _distance(self, displacement: Jet) -> Jet:
-        """OB in mm."""
-        half_sine, _ = jet.sin_cos((displacement + self.nearest_mm) * 0.5)
+    def regular_slope(self, displacement: Jet, root: Jet) -> Jet:
+        """The slope of w, which the law of cosines gives as in a crank-slider, and that of s, times the root.
+
+        In both, s^2 - s0^2 and s1^2 - s^2 are as in ``working_angle``, with sin(z) = z sinc(z).
+        """
+        near, half, left = self.nearest_mm, displacement * 0.5, (self.stroke_mm - displacement) * 0.5
+        sine, cosine = jet.sin_cos(displacement + near)
+        square = self._square(jet.sin_cos(half + 0.5 * near)[0])
+        rise, _ = jet.sin_cos(half + near)
+        fall, _ = jet.sin_cos(near + self.stroke_mm - left)
+        ends = jet.sqrt(_sinc(half) * rise * _sinc(left) * fall) * 2.0
+        turned = root * (cosine * -self.ground_mm + self.rocker_mm) * (self.side * self.rocker_mm)
+        return (sine * (square + self._near_mm * self._far_mm) / ends + turned) / square
+
+    def _square(self, half_sine: Array | Jet) -> Any:
+        """OB^2 in mm^2 from sin(gamma/2)."""
         square = half_sine * half_sine * (4.0 * self.ground_mm * self.rocker_mm)
-        return jet.sqrt(square + (self.ground_mm - self.rocker_mm) ** 2)
+        return square + (self.ground_mm - self.rocker_mm) ** 2
 
-    def _half_tilt(self, displacement: Jet) -> Jet:
+    def _half_tilt(self, displacement_mm: Array) -> Array:
         """Half the angle in rad by which OB turns with the crank on the way to a displacement."""
-        near = self.nearest_mm
-        half_sine, _ = jet.sin_cos(displacement * 0.5)
-        middle_sine, middle_cosine = jet.sin_cos(displacement * 0.5 + near)
-        moved = half_sine * (2.0 * self.rocker_mm)
+        near, half = self.nearest_mm, 0.5 * displacement_mm
+        moved = 2.0 * self.rocker_mm * np.sin(half)
         x, y = self.ground_mm - self.rocker_mm * np.cos(near), self.rocker_mm * np.sin(near)
-        dx, dy = moved * middle_sine, moved * middle_cosine
-        turned = dx * y - dy * x
-        facing = self._distance(displacement) * self._near_mm + dx * x + dy * y + self._near_mm**2
-        return jet.arctan(turned / facing) * self.side
+        dx, dy = moved * np.sin(half + near), moved * np.cos(half + near)
+        distance = np.sqrt(self._square(np.sin(half + 0.5 * near)))
+        facing = distance * self._near_mm + dx * x + dy * y + self._near_mm**2
+        tilt: Array = np.arctan((dx * y - dy * x) / facing) * self.side
+        return tilt
 
 
 def _sinc(argument: Jet) -> Jet:
@@ -268,10 +277,8 @@ class CrankRocker(CrankRockers[float], Mechanism):
 
     def crank_angle(self, displacement_mm: Array, returning: Mask) -> Array:
         """Crank angle in rad, 0 to 2 pi, at displacements in [0, stroke] in rad, both of shape (n,)."""
-        displacement = Jet(displacement_mm[None, :])
-        remaining = Jet((self.stroke_mm - displacement_mm)[None, :])
-        working = self.working_angle(displacement, jet.sqrt(displacement), jet.sqrt(remaining)).value
-        tilt = 2.0 * self._half_tilt(displacement).value
+        working = self.working_angle(displacement_mm, self.stroke_mm - displacement_mm)
+        tilt = 2.0 * self._half_tilt(displacement_mm)
         return np.where(returning, 2.0 * pi - working + 2.0 * tilt, working)
 
     @property

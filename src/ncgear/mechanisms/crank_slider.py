@@ -71,9 +71,7 @@ class CrankSliders(Mechanisms[Number]):
         - pin advance and rod lengths are the rod's projections on the slider's line.  The larger of x and y is free of
         cancellation; y is the larger, except where the rod is hardly longer than the crank.
         """
-        half_sine, half_cosine = jet.sin_cos(crank_angle * 0.5)
-        versine = 2.0 * (half_sine * half_sine)
-        sine = 2.0 * (half_sine * half_cosine)
+        sine, versine = jet.sine_versine(crank_angle)
         reach = self.rod_mm - self.crank_mm
         along = self.crank_mm * self.nearest_mm / reach
         across = self.crank_mm * self.offset_mm / reach
@@ -90,25 +88,33 @@ class CrankSliders(Mechanisms[Number]):
         direct = rod_now - rod_start + pin_advance
         return Jet(np.where(larger, direct.coefficients, product.coefficients))
 
-    def working_angle(self, displacement: Jet, root_displaced: Jet, root_remaining: Jet) -> Jet:
-        """Crank angle in rad, with derivatives, in the working stroke, regular up to and including both dead centres.
+    def working_angle(self, displacement_mm: Array, remaining_mm: Array) -> Array:
+        """Crank angle in rad in the working stroke, at displacements and at (stroke - x), both of shape (n,).
 
-        ``root_displaced`` and ``root_remaining`` are smooth square roots of the displacement x and of (stroke - x).
-        x has a double zero at x = 0, but its root is a smooth function of the driving angle; this makes the half-angle
-        form regular.  In line, the form is tan^2(phi2/2) = x (x + 2 l3) / ((H - x)(x + 2 (l3 - l2))); with an offset
-        the triangle of crank, rod and the distance from crank axis to slider takes the place of the line.
+        In line, tan^2(phi2/2) = x (x + 2 l3) / ((H - x)(x + 2 (l3 - l2))); with an offset the triangle of crank, rod
+        and the distance from crank axis to slider takes the place of the line.
         """
-        position = displacement + self.nearest_mm
-        if not np.any(self.offset_mm):
-            stretch = jet.sqrt((position + self.farthest_mm) / (position + self.nearest_mm))
-            return 2.0 * jet.arctan2(root_displaced * stretch, root_remaining)
-        distance = jet.sqrt(position * position + self.offset_mm**2)
-        ratio = jet.sqrt((position + self.nearest_mm) / (position + self.farthest_mm))
+        position = displacement_mm + self.nearest_mm
+        distance = np.hypot(position, self.offset_mm)
+        ratio = (position + self.nearest_mm) / (position + self.farthest_mm)
         stretch = (distance + (self.rod_mm + self.crank_mm)) / (distance + (self.rod_mm - self.crank_mm))
-        sine_side, cosine_side = root_displaced * ratio * stretch, root_remaining
-        turned = 2.0 * jet.arctan2(sine_side, cosine_side)
-        tilt = displacement * self.offset_mm / (position * self.nearest_mm + self.offset_mm**2)
-        return turned + jet.arctan(tilt)
+        tilt = np.arctan(displacement_mm * self.offset_mm / (position * self.nearest_mm + self.offset_mm**2))
+        angle: Array = 2.0 * np.arctan2(np.sqrt(displacement_mm * ratio) * stretch, np.sqrt(remaining_mm)) + tilt
+        return angle
+
+    def regular_slope(self, displacement: Jet, root: Jet) -> Jet:
+        """p (d^2 + l3^2 - l2^2)/(d^2 ((p + near)(p + far))^(1/2)) + e root/d^2, with p the place and d^2 = p^2 + e^2.
+
+        The first term is from the law of cosines in the triangle of crank, rod and d, whose area has the root in it;
+        the second one is from the turning of d.
+        """
+        position, longer = displacement + self.nearest_mm, self.rod_mm**2 - self.crank_mm**2
+        square = position * position
+        ends = jet.sqrt((position + self.nearest_mm) * (position + self.farthest_mm))
+        if not np.any(self.offset_mm):
+            return (square + longer) / (position * ends)
+        square = square + self.offset_mm**2
+        return (position * (square + longer) / ends + root * self.offset_mm) / square
 
 
 @dataclass(frozen=True)
@@ -163,9 +169,7 @@ class CrankSlider(CrankSliders[float], RodMechanism):
 
     def crank_angle(self, displacement_mm: Array, returning: Mask) -> Array:
         """Crank angle in rad, 0 to 2 pi, at displacements in [0, stroke], both of shape (n,)."""
-        displacement = Jet(displacement_mm[None, :])
-        remaining = Jet((self.stroke_mm - displacement_mm)[None, :])
-        working = self.working_angle(displacement, jet.sqrt(displacement), jet.sqrt(remaining)).value
+        working = self.working_angle(displacement_mm, self.stroke_mm - displacement_mm)
         position = displacement_mm + self.nearest_mm
         tilt = np.arctan(displacement_mm * self.offset_mm / (position * self.nearest_mm + self.offset_mm**2))
         return np.where(returning, 2.0 * pi - working + 2.0 * tilt, working)

@@ -70,9 +70,13 @@ class DrivenShaft(Mechanism):
         """The driven angle itself."""
         return crank_angle
 
-    def working_angle(self, displacement: Jet, root_displaced: Jet, root_remaining: Jet) -> Jet:
+    def working_angle(self, displacement_mm: Array, remaining_mm: Array) -> Array:
         """The displacement itself."""
-        return displacement
+        return displacement_mm
+
+    def regular_slope(self, displacement: Jet, root: Jet) -> Jet:
+        """The root itself."""
+        return root
 
     def crank_angle(self, displacement_mm: Array, returning: Mask) -> Array:
         """The displacement itself."""

@@ -157,11 +157,15 @@ class Mechanisms(ABC, Generic[Number]):
         return self.crank_mm
 
     @abstractmethod
-    def working_angle(self, displacement: Jet, root_displaced: Jet, root_remaining: Jet) -> Jet:
-        """Crank angle in rad, with derivatives, in the working stroke, regular up to and including both dead centres.
+    def working_angle(self, displacement_mm: Array, remaining_mm: Array) -> Array:
+        """Crank angle in rad in the working stroke, at displacements x and at (stroke - x), both of shape (n,)."""
 
-        ``root_displaced`` and ``root_remaining`` are smooth square roots of the displacement x and of (stroke - x).
-        x has a double zero at x = 0, but its root is a smooth function of the driving angle.
+    @abstractmethod
+    def regular_slope(self, displacement: Jet, root: Jet) -> Jet:
+        """The slope of the crank angle by the displacement x, times a smooth root of x (stroke - x), with derivatives.
+
+        The product is regular up to and including both dead centres.  There x (stroke - x) has double zeros, but its
+        root is a smooth function of the driving angle, of either sign.
         """
 
 

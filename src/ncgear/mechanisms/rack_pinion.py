@@ -77,9 +77,13 @@ class RackPinion(Mechanism):
         """r phi2."""
         return crank_angle * self.radius_mm
 
-    def working_angle(self, displacement: Jet, root_displaced: Jet, root_remaining: Jet) -> Jet:
+    def working_angle(self, displacement_mm: Array, remaining_mm: Array) -> Array:
         """x / r."""
-        return displacement * (1.0 / self.radius_mm)
+        return displacement_mm / self.radius_mm
+
+    def regular_slope(self, displacement: Jet, root: Jet) -> Jet:
+        """The root over r."""
+        return root * (1.0 / self.radius_mm)
 
     def crank_angle(self, displacement_mm: Array, returning: Mask) -> Array:
         """Angle of the pinion in rad at displacements of shape (n,)."""

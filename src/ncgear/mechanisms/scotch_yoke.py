@@ -54,17 +54,20 @@ class ScotchYoke(Mechanism):
         return pi + 0.0 * self.crank_mm
 
     def displacement(self, crank_angle: Jet) -> Jet:
-        """2 r sin^2(phi2/2)."""
-        half_sine, _ = jet.sin_cos(crank_angle * 0.5)
-        return 2.0 * self.crank_mm * (half_sine * half_sine)
+        """r (1 - cos(phi2))."""
+        return self.crank_mm * jet.sine_versine(crank_angle)[1]
 
-    def working_angle(self, displacement: Jet, root_displaced: Jet, root_remaining: Jet) -> Jet:
+    def working_angle(self, displacement_mm: Array, remaining_mm: Array) -> Array:
         """tan^2(phi2/2) = x / (2 r - x)."""
-        return 2.0 * jet.arctan2(root_displaced, root_remaining)
+        return 2.0 * np.arctan2(np.sqrt(displacement_mm), np.sqrt(remaining_mm))
+
+    def regular_slope(self, displacement: Jet, root: Jet) -> Jet:
+        """1, from x (2 r - x) = r^2 sin^2(phi2)."""
+        return 0.0 * displacement + 1.0
 
     def crank_angle(self, displacement_mm: Array, returning: Mask) -> Array:
         """Crank angle in rad, 0 to 2 pi, at displacements in [0, stroke], both of shape (n,)."""
-        working = 2.0 * np.arctan2(np.sqrt(displacement_mm), np.sqrt(self.stroke_mm - displacement_mm))
+        working = self.working_angle(displacement_mm, self.stroke_mm - displacement_mm)
         return np.where(returning, 2.0 * pi - working, working)
 
     def links(self, crank_angle: Jet) -> Mapping[str, Link]:

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import asin, cos, log, pi
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -94,9 +94,8 @@ class SlottedLevers(Mechanisms[Number]):
 
         The product with the versine, distance less l + r sin(phi2), is computed in a form that does not cancel.
         """
-        half_sine, half_cosine = jet.sin_cos(crank_angle * 0.5)
-        across = half_sine * half_sine * (2.0 * self.crank_mm)
-        along = half_sine * half_cosine * (2.0 * self.crank_mm) + self._foot_mm
+        sine, versine = jet.sine_versine(crank_angle)
+        across, along = versine * self.crank_mm, sine * self.crank_mm + self._foot_mm
         _, beside = jet.sin_cos((crank_angle - (0.5 * pi + self._swing_rad)) * 0.5)
         distance = jet.sqrt(
             beside * beside * (4.0 * self.crank_mm * self.pivot_mm) + (self.pivot_mm - self.crank_mm) ** 2
@@ -116,21 +115,29 @@ class SlottedLevers(Mechanisms[Number]):
         foot, crank = self._foot_mm, self.crank_mm
         return (sine * foot + versine * crank) * (self.lever_mm / self.pivot_mm) / distance
 
-    def working_angle(self, displacement: Jet, root_displaced: Jet, root_remaining: Jet) -> Jet:
-        """Crank angle in rad, with derivatives, in the working stroke, regular up to and including both dead centres.
+    def working_angle(self, displacement_mm: Array, remaining_mm: Array) -> Array:
+        """Crank angle in rad in the working stroke, at displacements and at (stroke - x), both of shape (n,).
 
         At the block, lever and crank make the angle pi - eta, and d sin(lever's angle) = r sin(eta); the crank has
         turned by chi + eta + pi/2, and tan^2((eta + pi/2)/2) = x/(stroke - x).
         """
-        return 2.0 * jet.arctan2(root_displaced, root_remaining) + self._lever_angle(displacement)
+        at_block = 2.0 * np.arctan2(np.sqrt(displacement_mm), np.sqrt(remaining_mm))
+        return at_block + self._lever_angle(displacement_mm)
 
-    def _lever_angle(self, displacement: Jet) -> Jet:
+    def regular_slope(self, displacement: Jet, root: Jet) -> Jet:
+        """1 + root/(l cos(lever's angle)) with l the lever's length: d chi/dx is the inverse of that product."""
+        return root / (jet.sqrt(self._square_cosine(displacement)) * self.lever_mm) + 1.0
+
+    def _square_cosine(self, displacement: Array | Jet) -> Any:
+        """1 - sin^2 of the lever's angle, whose sine is x/l - r/d."""
+        gone, share = displacement * (1.0 / self.lever_mm), self.crank_mm / self.pivot_mm
+        return (1.0 + share - gone) * (gone + (1.0 - share))
+
+    def _lever_angle(self, displacement_mm: Array) -> Array:
         """chi in rad at a displacement: tan(chi/2) = (sin + sin(psi))/(cos + cos(psi)) of the lever's angle."""
-        gone = displacement * (1.0 / self.lever_mm)
-        share = self.crank_mm / self.pivot_mm
-        # 1 - sin^2 of the lever's angle, whose sine is gone - share
-        cosine = jet.sqrt((1.0 + share - gone) * (gone + (1.0 - share)))
-        return 2.0 * jet.arctan(gone / (cosine + self._foot_mm / self.pivot_mm))
+        cosine = np.sqrt(self._square_cosine(displacement_mm))
+        angle: Array = 2.0 * np.arctan(displacement_mm / self.lever_mm / (cosine + self._foot_mm / self.pivot_mm))
+        return angle
 
 
 @dataclass(frozen=True)
@@ -196,9 +203,8 @@ class SlottedLever(SlottedLevers[float], Mechanism):
 
     def crank_angle(self, displacement_mm: Array, returning: Mask) -> Array:
         """Crank angle in rad, 0 to 2 pi, at displacements in [0, stroke], both of shape (n,)."""
-        working = 2.0 * np.arctan2(np.sqrt(displacement_mm), np.sqrt(self.stroke_mm - displacement_mm))
-        lever = self._lever_angle(Jet(displacement_mm[None, :])).value
-        return np.where(returning, 2.0 * pi - working + lever, working + lever)
+        working = self.working_angle(displacement_mm, self.stroke_mm - displacement_mm)
+        return np.where(returning, 2.0 * (pi + self._lever_angle(displacement_mm)) - working, working)
 
     @property
     def corners(self) -> tuple[tuple[float, float], ...]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
-from math import factorial, pi
+from math import factorial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -138,26 +138,39 @@ def sqrt(argument: Jet) -> Jet:
     a = argument.coefficients
     root = np.empty_like(a)
     root[0] = np.sqrt(a[0])
+    twice = 2.0 * root[0]
     for k in range(1, len(a)):
         rest = a[k] - _paired(root[1:k], root[1:k]) if k > 1 else a[k]
-        np.divide(rest, 2.0 * root[0], out=root[k])
+        np.divide(rest, twice, out=root[k])
     return Jet(root)
 
 
 def sin_cos(argument: Jet) -> tuple[Jet, Jet]:
     """Sine and cosine together, since each one's recurrence needs the other."""
-    return _pair(argument.coefficients, np.sin, np.cos, -1.0)
+    values = argument.value
+    return _pair(argument.coefficients, np.sin(values), np.cos(values), -1.0)
+
+
+def sine_versine(argument: Jet) -> tuple[Jet, Jet]:
+    """Sine and 1 - cosine together, from half the angle: the versine is relatively accurate at its zeros."""
+    half = np.sin(0.5 * argument.value)
+    versine = 2.0 * half * half
+    sine, cosine = _pair(argument.coefficients, 2.0 * half * np.cos(0.5 * argument.value), 1.0 - versine, -1.0)
+    rows = np.negative(cosine.coefficients, out=cosine.coefficients)
+    rows[0] = versine
+    return sine, cosine
 
 
 def sinh_cosh(argument: Jet) -> tuple[Jet, Jet]:
     """Hyperbolic sine and cosine together, since each one's recurrence needs the other."""
-    return _pair(argument.coefficients, np.sinh, np.cosh, 1.0)
+    values = argument.value
+    return _pair(argument.coefficients, np.sinh(values), np.cosh(values), 1.0)
 
 
-def _pair(a: Array, odd: np.ufunc, even: np.ufunc, sign: float) -> tuple[Jet, Jet]:
-    """Two functions: the odd one's derivative is the even one, the even one's is ``sign`` times the odd one."""
+def _pair(a: Array, odd: Array, even: Array, sign: float) -> tuple[Jet, Jet]:
+    """Two functions by their values: the derivative of the odd one is the even one, and ``sign`` times the odd one."""
     sine, cosine = np.empty_like(a), np.empty_like(a)
-    sine[0], cosine[0] = odd(a[0]), even(a[0])
+    sine[0], cosine[0] = odd, even
     count = _rows(a) - 1
     slopes = _slopes(a[: count + 1])
     for k in range(1, len(a)):
@@ -258,15 +271,6 @@ def arctan(argument: Jet) -> Jet:
         return Jet(values[None, :])
     shorter = argument.truncated(argument.order - 1)
     return (argument.differentiated() / (shorter * shorter + 1.0)).integrated(values)
-
-
-def arctan2(sine_side: Jet, cosine_side: Jet) -> Jet:
-    """Angle in 0..pi/2 of two non-negative sides, dividing by the larger one at each point."""
-    steep = sine_side.value > cosine_side.value
-    smaller = np.where(steep, cosine_side.coefficients, sine_side.coefficients)
-    larger = np.where(steep, sine_side.coefficients, cosine_side.coefficients)
-    turned = arctan(Jet(smaller) / Jet(larger))
-    return Jet(np.where(steep, (pi / 2 - turned).coefficients, turned.coefficients))
 
 
 def polynomial(coefficients: Sequence[float] | Array, argument: Jet) -> Jet:

@@ -20,7 +20,7 @@ from ncgear.numerics.arrays import Array, repeated
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.sampled import integration, shares
 from ncgear.numerics.zeros import zeros_between
-from ncgear.ratio.laws.three_segment import approach_angle, braking_angle, pressing_angle
+from ncgear.ratio.laws.three_segment import approach, approach_angle, braking, braking_angle, pressing_angle
 from ncgear.ratio.return_stroke import TOUCHING, hermite
 from ncgear.ratio.working_stroke import WorkingStrokes, polynomial_at
 
@@ -386,23 +386,10 @@ def return_samples(
 
 def _cubic(strokes: WorkingStrokes[Array], linkage: Mechanisms[Any], length: Array, *, inverse: bool) -> Array:
     """The cubic in tau with the values and slopes of the two ends, shape (4, n)."""
-    far = _rate(-strokes.braking_slope[0] / 2.0, strokes.braking_slope[1] / 3.0, linkage, linkage.working_angle_rad)
-    near = _rate(strokes.approach_slope[0] / 2.0, strokes.approach_slope[1] / 3.0, linkage, 0.0)
-    if inverse:
-        return np.stack(hermite(*far, *near, length))
-    start, end = ((1.0 / rate, -slope / rate**2) for rate, slope in (far, near))
-    return np.stack(hermite(*start, *end, length))
-
-
-def _rate(second: Array, third: Array, linkage: Mechanisms[Any], centre_rad: Any) -> tuple[Array, Array]:
-    """dphi2/dphi1 and its derivative by phi1 at a dead centre, where x = b phi1^2 + c phi1^3 = k phi2^2 + m phi2^3.
-
-    So phi2 = w phi1 + w'/2 phi1^2 with w^2 = b/k and w' = (c - m w^3)/(k w).
-    """
-    at = Jet.variable(np.broadcast_to(centre_rad, second.shape), 3)
-    linkage_second, linkage_third = linkage.displacement(at).coefficients[2:]
-    rate = np.sqrt(second / linkage_second)
-    return rate, (third - linkage_third * rate**3) / (linkage_second * rate)
+    advances = braking(strokes, strokes.theta4_rad, 1), approach(strokes, np.zeros_like(length), 1)
+    slopes = (one.driven_slope(linkage) for one in advances)
+    far, near = (one if inverse else 1.0 / one for one in slopes)
+    return np.stack(hermite(far.value, far.derivative(1), near.value, near.derivative(1), length))
 
 
 def _ratio_lift(base: Array, direction: Array, mean: Array, points: ReturnGrid) -> Array:

@@ -194,13 +194,20 @@ class _Strokes(Laws):
     def _constant(self) -> Array:
         return self.batch.column("motion.return.e")
 
+    @cached_property
+    def _breaks_rad(self) -> Array:
+        """Driving angles at which the output passes each place where the force begins or ends, shape (k, n)."""
+        segments = list(zip((approach, pressing, braking), _segments(self.strokes, Fineness(0)), strict=True))
+        passed = (sum(_passed_rad(self.strokes, *one, kink) for one in segments) for kink in self.batch.kinks_mm)
+        return np.array([*passed]).reshape(-1, len(self.batch))
+
     def sampled(self, rows: IndexArray, fineness: Fineness) -> Sampled:
         """Samples of strokes that advance."""
         strokes, linkage = chosen(self.strokes, rows), chosen(self.batch.mechanisms, rows)
         closed = peaked_returns if fineness.returned is None else returns_with_constant
         points = ReturnGrid(fineness.returned or WHOLE, fineness.count, CLOSING_STEPS)
         returns = closed(strokes, linkage, self.period_rad, self._constant[rows], points)
-        return _stroke_laws(strokes, linkage, returns, fineness, points, self.batch.kinks_mm)
+        return _stroke_laws(strokes, linkage, returns, fineness, points, self._breaks_rad[:, rows])
 
 
 def _stroke_laws(
@@ -209,13 +216,13 @@ def _stroke_laws(
     returns: Returns | PeakedReturns,
     fineness: Fineness,
     points: ReturnGrid,
-    kinks_mm: Array,
+    breaks_rad: Array,
 ) -> Sampled:
     """Three-segment strokes with their returns."""
     count = points.count
-    worked, edges, turned_rad = _working_strokes(strokes, linkage, fineness, kinks_mm)
+    worked, edges = _working_strokes(strokes, linkage, fineness, breaks_rad)
     back_rad = returns.widths_rad(points).T
-    driven, slope, rate, bend, displacement, speed, change = worked
+    slope, rate, bend, displacement, speed, change = worked
     ratio, first, second = _returned(returns, points, 2)
     widths = np.concatenate([*(np.diff(one, axis=0) for one in edges), back_rad])
     inverse, working = 1.0 / slope, len(slope)
@@ -231,17 +238,16 @@ def _stroke_laws(
         turning=slope * widths[:, None],
         there=widths > 0.0,
     )
-    # The working stroke turns by the difference of the angle at its ends; other points than the samples give the turn
-    # of the return.
+    # Other points than the samples give the turn of the return.
     (judged,) = _returned(returns, replace(points, count=count + OTHER), 0)
-    closing = turned_rad + integrated(back_rad[:, None] / judged) - 2.0 * pi
-    turned = integration(count) @ samples.turning[working:]
-    before = np.cumsum(turned[:, -1:], axis=0) - turned[:, -1:]
-    back_driven = turned + before + linkage.working_angle_rad
-    back = _moved(linkage, back_driven, slope[working:], first)
+    closing = linkage.working_angle_rad + integrated(back_rad[:, None] / judged) - 2.0 * pi
+    driven = integration(count) @ samples.turning
+    driven[:working] += _before(driven[:working])
+    driven[working:] += _before(driven[working:]) + linkage.working_angle_rad
+    back = _moved(linkage, driven[working:], slope[working:], first)
     return Sampled(
         samples,
-        np.concatenate([driven, back_driven]),
+        driven,
         displacement,
         np.concatenate([speed, back[1]]),
         np.concatenate([change, back[2]]),
@@ -252,6 +258,12 @@ def _stroke_laws(
     )
 
 
+def _before(turned: Array) -> Array:
+    """The turn of all pieces before each, shape (p, 1, n), from the turns to the points of each, shape (p, m, n)."""
+    before: Array = np.cumsum(turned[:, -1:], axis=0) - turned[:, -1:]
+    return before
+
+
 def _returned(returns: Returns | PeakedReturns, points: ReturnGrid, order: int) -> list[Array]:
     """The ratio on the returns and its derivatives by the driving angle, shape (p, count, n) each."""
     ratio = returns.polynomial(points, order)
@@ -260,22 +272,20 @@ def _returned(returns: Returns | PeakedReturns, points: ReturnGrid, order: int) 
 
 
 def _working_strokes(
-    strokes: WorkingStrokes[Array], linkage: Mechanisms[Array], fineness: Fineness, kinks_mm: Array
-) -> tuple[list[Array], list[Array], Array]:
-    """The driven angle and three derivatives by the driving angle, the slider's displacement and two derivatives.
+    strokes: WorkingStrokes[Array], linkage: Mechanisms[Array], fineness: Fineness, breaks_rad: Array
+) -> tuple[list[Array], list[Array]]:
+    """Three derivatives of the driven angle by the driving angle, the slider's displacement and two derivatives.
 
-    Each has shape (p, m, n).  Besides the driving angles of the ends of the pieces of each segment (shape (p + 1, n)),
-    and the driven angle of the stroke, shape (n,).
+    Each has shape (p, m, n).  Besides the driving angles of the ends of the pieces of each segment (shape (p + 1, n)).
     """
-    rows, edges, turned_rad = list[list[Array]](), _segments(strokes, fineness), np.zeros_like(strokes.theta2_rad)
+    rows, edges = list[list[Array]](), _segments(strokes, fineness)
     for place, way in enumerate((approach, pressing, braking)):
-        ends = edges[place] = _broken(strokes, way, edges[place], kinks_mm)
+        ends = edges[place] = _broken(edges[place], breaks_rad)
         phi1 = ends[:-1, None] + np.diff(ends, axis=0)[:, None] * shares(fineness.count)[:, None]
-        advance = way(strokes, phi1, 3)
-        driven = linkage.working_angle(*advance)
-        turned_rad = turned_rad + (driven.value[-1, -1] - driven.value[0, 0])
-        rows.append([*(driven.derivative(k) for k in range(4)), *(advance[0].derivative(k) for k in (0, 1, 2))])
-    return [np.concatenate(parts) for parts in zip(*rows, strict=True)], edges, turned_rad
+        advance = way(strokes, phi1, 2)
+        jets = advance.driven_slope(linkage), advance.displacement
+        rows.append([one.derivative(k) for one in jets for k in range(3)])
+    return [np.concatenate(parts) for parts in zip(*rows, strict=True)], edges
 
 
 def _segments(strokes: WorkingStrokes[Array], fineness: Fineness) -> list[Array]:
@@ -296,16 +306,20 @@ def _segments(strokes: WorkingStrokes[Array], fineness: Fineness) -> list[Array]
     return [start + (end - start) * cut for (start, end), cut in zip(ends, cuts, strict=True)]
 
 
-def _broken(strokes: WorkingStrokes[Array], way: Callable[..., Advance], ends: Array, kinks_mm: Array) -> Array:
-    """Ends of pieces, extended by the angles at which the output of any stroke passes a place, if no end is there."""
-    low, high = ends[0], ends[-1]
-    least, most = (way(strokes, one, 0)[0].value for one in (low, high))
-    at = [np.clip(kink, least, most) for kink in kinks_mm if np.any((least < kink) & (kink < most))]
+def _broken(ends: Array, breaks_rad: Array) -> Array:
+    """Ends of pieces, extended by the angles that lie between them in any stroke."""
+    inside = np.any((ends[0] < breaks_rad) & (breaks_rad < ends[-1]), axis=1)
+    return np.sort([*ends, *np.clip(breaks_rad[inside], ends[0], ends[-1])], axis=0) if inside.any() else ends
 
-    def passes(place: Array) -> Array:
-        return zeros_between(lambda phi1: way(strokes, phi1, 0)[0].value - place, low, high)
 
-    return np.sort([*ends, *map(passes, at)], axis=0) if at else ends
+def _passed_rad(strokes: WorkingStrokes[Array], way: Callable[..., Advance], ends: Array, place_mm: float) -> Array:
+    """The driving angle of a segment before the output passes a place, shape (n,); all or nothing of other segments."""
+
+    def moved(phi1: Array) -> Array:
+        return way(strokes, phi1, 0).displacement.value
+
+    place = np.clip(place_mm, *map(moved, ends))
+    return zeros_between(lambda phi1: moved(phi1) - place, *ends) - ends[0]
 
 
 def _slowest(strokes: WorkingStrokes[Array]) -> Array:

@@ -2,14 +2,15 @@
 
 The inversion leads from the slider's displacement to the angle of the crank.  In the textbook form both dead centres
 are zero divided by zero.  Here the double zeros of the displacement at phi1 = 0 and of the rest of the stroke at theta4
-are divided out of the polynomials before anything is evaluated, so phi2 and all its derivatives are regular up to and
-including both ends.
+are divided out of the polynomials and of the mechanism's slope before anything is evaluated, so phi2 and all its
+derivatives are regular up to and including both ends.
 """
 
 from __future__ import annotations
 
 from functools import partial
 from math import degrees
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -34,46 +35,70 @@ def working_pieces(stroke: ClosedStroke, linkage: Mechanism) -> tuple[Piece, ...
     return tuple(piece for piece in pieces if piece.end_rad > piece.start_rad)
 
 
-Advance = tuple[Jet, Jet, Jet]
-"""The displacement x in mm with derivatives, and smooth square roots of x and of the rest of the stroke."""
+class Advance(NamedTuple):
+    """The displacement x in mm with derivatives, and (stroke - x), which is as accurate near its zero as x near its.
+
+    ``root`` is the smooth root of x (stroke - x), ``rate`` the derivative of x over it, regular at both dead centres.
+    """
+
+    displacement: Jet
+    remaining_mm: Array
+    root: Jet
+    rate: Jet
+
+    def driven_slope(self, linkage: Mechanisms[Any]) -> Jet:
+        """dphi2/dphi1, with derivatives."""
+        return self.rate * linkage.regular_slope(self.displacement, self.root)
+
+    def driven_angle(self, linkage: Mechanisms[Any], order: int) -> Jet:
+        """phi2 in rad, with derivatives."""
+        values = linkage.working_angle(self.displacement.value, self.remaining_mm)
+        return self.driven_slope(linkage).truncated(order - 1).integrated(values) if order else Jet(values[None])
 
 
 def approach(stroke: WorkingStrokes[Number], phi1: Array, order: int) -> Advance:
-    """Displacement and roots on [0, theta2], of one stroke or of a stroke for each point."""
+    """The advance on [0, theta2], of one stroke or of a stroke for each point."""
     angle = Jet.variable(phi1, order)
     quotient = jet.polynomial(stroke.approach_root, angle)
     displacement = angle * angle * quotient
-    return displacement, angle * jet.sqrt(quotient), jet.sqrt(stroke.stroke_mm - displacement)
+    remaining = stroke.stroke_mm - displacement
+    root = jet.sqrt(quotient * remaining)
+    rate = jet.polynomial(stroke.approach_slope, angle) / root
+    return Advance(displacement, remaining.value, angle * root, rate)
 
 
 def pressing(stroke: WorkingStrokes[Number], phi1: Array, order: int) -> Advance:
-    """Displacement and roots on [theta2, theta3], of one stroke or of a stroke for each point."""
-    beyond = Jet.variable(phi1 - stroke.theta2_rad, order)
-    displacement = stroke.pressing_mm_rad * beyond + stroke.pressing_start_mm
-    return displacement, jet.sqrt(displacement), jet.sqrt(stroke.stroke_mm - displacement)
+    """The advance on [theta2, theta3], of one stroke or of a stroke for each point."""
+    displacement = stroke.pressing_mm_rad * Jet.variable(phi1 - stroke.theta2_rad, order) + stroke.pressing_start_mm
+    remaining = stroke.stroke_mm - displacement
+    root = jet.sqrt(displacement * remaining)
+    return Advance(displacement, remaining.value, root, stroke.pressing_mm_rad / root)
 
 
 def braking(stroke: WorkingStrokes[Number], phi1: Array, order: int) -> Advance:
-    """Displacement and roots on [theta3, theta4], of one stroke or of a stroke for each point."""
+    """The advance on [theta3, theta4], of one stroke or of a stroke for each point."""
     before_end = -Jet.variable(phi1 - stroke.theta4_rad, order)
     quotient = jet.polynomial(stroke.braking_root, before_end)
-    displacement = stroke.stroke_mm - before_end * before_end * quotient
-    return displacement, jet.sqrt(displacement), before_end * jet.sqrt(quotient)
+    remaining = before_end * before_end * quotient
+    displacement = stroke.stroke_mm - remaining
+    root = jet.sqrt(displacement * quotient)
+    rate = jet.polynomial(stroke.braking_slope, before_end) / root
+    return Advance(displacement, remaining.value, before_end * root, rate)
 
 
 def approach_angle(stroke: WorkingStrokes[Number], linkage: Mechanisms[Number], phi1: Array, order: int) -> Jet:
     """phi2 in rad on [0, theta2], with derivatives, of one stroke or of a stroke for each point."""
-    return linkage.working_angle(*approach(stroke, phi1, order))
+    return approach(stroke, phi1, max(order - 1, 0)).driven_angle(linkage, order)
 
 
 def pressing_angle(stroke: WorkingStrokes[Number], linkage: Mechanisms[Number], phi1: Array, order: int) -> Jet:
     """phi2 in rad on [theta2, theta3], with derivatives, of one stroke or of a stroke for each point."""
-    return linkage.working_angle(*pressing(stroke, phi1, order))
+    return pressing(stroke, phi1, max(order - 1, 0)).driven_angle(linkage, order)
 
 
 def braking_angle(stroke: WorkingStrokes[Number], linkage: Mechanisms[Number], phi1: Array, order: int) -> Jet:
     """phi2 in rad on [theta3, theta4], with derivatives, of one stroke or of a stroke for each point."""
-    return linkage.working_angle(*braking(stroke, phi1, order))
+    return braking(stroke, phi1, max(order - 1, 0)).driven_angle(linkage, order)
 
 
 @dataclass(frozen=True, eq=False)
