@@ -342,7 +342,9 @@ class _Search:
                         return made
                     refused = made
                 left = TRIALS + NEARER - 1 - trial
-            limits = between(good[-1], refused) if good else drawn_in(made, trial)
+                limits = drawn_in(made, STUBBORN - 1)
+            else:
+                limits = between(good[-1], refused) if good else drawn_in(made, trial)
         assert refused is not None
         assert refused.refusal is not None
         raise NoSuchMechanism(

@@ -132,10 +132,9 @@ def fitted_tips(flanks: Flanks, bounds: Bounds, undercut: Mask, least_land_mm: f
     cusp = regular < bounds.contact_mm
     allowed = np.minimum(regular, bounds.contact_mm)
     flanks = flanks.with_tips(height)
-    edges = _Edges(flanks, *tip_crossing(flanks))
-    lowered = _lowered(edges, allowed)
+    edges = _lowered(_Edges(flanks, *_newton_crossing(flanks.unturned, np.arange(flanks.count))), allowed)
+    lowered = edges.flanks.tip_height_mm
     limit = np.where(lowered < height, np.where(cusp, Limit.CUSP, reason), limit)
-    edges = edges.moved(lowered)
     free = _within_play(edges)
     limit = np.where(free < lowered, np.maximum(limit, Limit.FILLET), limit)
     even = even_heights(flanks, free)
@@ -188,18 +187,19 @@ def _within_play(edges: _Edges) -> Array:
     return height - np.maximum(over - allowed, 0.0)
 
 
-def _lowered(edges: _Edges, allowed: Array) -> Array:
-    flanks, height = edges.flanks, edges.flanks.tip_height_mm
+def _lowered(edges: _Edges, allowed: Array) -> _Edges:
+    """The edges, those above the allowed heights of contact lowered to them; the others that are not met are searched.
+
+    A lowered tip ends as high over the pitch curve as its flank at the allowed height.
+    """
+    flanks, height = edges.flanks, edges.flanks.tip_height_mm.copy()
     chosen = np.nonzero(~edges.met | (edges.top_mm > allowed))[0]
-    if not chosen.size:
-        return height
-    distance = edge_over_curve(flanks, chosen, allowed[chosen])[1]
-    lost = np.nonzero(np.isnan(distance))[0]
-    if lost.size:
-        raise no_tip(flanks, int(chosen[lost[0]]))
-    lowered = height.copy()
-    lowered[chosen] = np.minimum(height[chosen], distance)
-    return lowered
+    sigma, distance = edge_over_curve(flanks, chosen, allowed[chosen])
+    lower = distance < height[chosen]
+    rows, lost = chosen[lower], chosen[~lower]
+    height[rows] = distance[lower]
+    edges = edges.placed(height, rows, (allowed[rows], sigma[lower], np.ones(rows.size, dtype=bool)))
+    return edges.placed(height, lost, tip_crossing(edges.flanks, lost)) if lost.size else edges
 
 
 def edge_over_curve(flanks: Flanks, flank: IndexArray, height: Array) -> tuple[Array, Array]:
@@ -272,7 +272,9 @@ def _crossing_below_cusp(flanks: Flanks, which: IndexArray) -> tuple[Array, Arra
         return np.nan_to_num(distance)
 
     rows, height = np.nonzero(tip > 0.0)[0], np.full(which.size, np.nan)
-    distance = edge_over_curve(flanks, np.repeat(which[rows], PROBES - 1), way[rows, 1:].ravel())[1].reshape(-1, PROBES - 1)
+    distance = edge_over_curve(flanks, np.repeat(which[rows], PROBES - 1), way[rows, 1:].ravel())[1].reshape(
+        -1, PROBES - 1
+    )
     # Without a foot on the way, the flank does not count as met.
     step = np.argmax(~(distance < tip[rows, None]), axis=1)
     met = distance[np.arange(rows.size), step] >= tip[rows]
