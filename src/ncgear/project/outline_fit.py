@@ -55,7 +55,7 @@ TRIALS, NEARER = 10, 3
 """Most pairs that are made until one is accepted, and how many more are tried between it and the last refused pair if
 it came soon; else one more."""
 
-WORTH = 0.01
+WORTH = 0.005
 """Least share of the deviation that another pair must promise to save."""
 
 NEXT_TEETH = (1.5, 2.0)

@@ -156,7 +156,7 @@ def _least_clearance(tips: Written, tooth: IndexArray, roots: Written, space: In
 
     chords = _chords(tip_mm, gear.flanks, low, high) + _chords(root_mm, mate.flanks, low + ahead, high + ahead)
     land, place = counted_up(np.zeros_like(chords), PER_CHORD * chords + 1)
-    places: Array = 2.0 * land + place / (PER_CHORD * chords)[land]
+    places = 2.0 * land + place / np.asarray(PER_CHORD * chords[land], dtype=float)
     (nearest,) = largest_of_each(chained, places)
     return -nearest.value if nearest.value < UNMET_MM else np.nan
 
