@@ -94,7 +94,7 @@ class _Reader:
         self._count += 1
         if self._count > MOST_VALUES:
             problem = (
-                f"over {MOST_VALUES} values in one file; fewer are right: long columns go to a CSV file beside this one, "
+                f"over {MOST_VALUES} values in one file; fewer are right: long columns go to a CSV file beside this, "
                 "and `file: NAME.csv` stands in their place"
             )
             raise self._wrong(event, ".".join(path), problem)
