@@ -50,6 +50,22 @@ def test_tops_with_a_kink_a_cusp_and_a_jump(place: float) -> None:
     assert jump.at < place
 
 
+def test_what_stays_below_a_known_value_is_not_searched() -> None:
+    """A top just above the value is found between the samples; a value above the top costs no evaluation."""
+    places, asked = np.arange(0.0, 10.0, 0.2), list[int]()
+
+    def function(x: Array) -> Array:
+        asked.append(x.size)
+        return np.exp(-((x - 7.1) ** 2))[None]
+
+    values = function(places)
+    for above, told in ((0.999, 1.0), (1.5, 1.5)):
+        asked.clear()
+        (top,) = largest_from(function, places, values, np.zeros(1), above)
+        assert top.value == pytest.approx(told, abs=1e-9)
+        assert (asked == []) == (above > 1.0)
+
+
 def test_the_higher_of_two_tops_is_found_though_its_samples_are_lower() -> None:
     """The second wave is higher by a thousandth, and its nearest sample is farther from its top."""
 

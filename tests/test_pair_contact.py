@@ -205,6 +205,17 @@ def test_an_outline_grown_by_a_fiftieth_of_a_millimetre_is_refused(name: str, ge
         refuse_bad_outlines(contact, TOLERANCE)
 
 
+@pytest.mark.parametrize("name", ["sine", "baler"])
+def test_whether_outlines_may_overlap_is_told_as_the_deepest_overlap_tells(name: str) -> None:
+    """Below and above the deepest overlap of outlines that were grown."""
+    found = outlines(made(name, 25)[1])
+    contact = contact_of(name, 25, replace(found, driven_mm=grown(found.driven_mm, 0.02)))
+    deepest = contact.penetration_mm
+    assert deepest > TOLERANCE
+    assert contact.may_overlap(0.9 * deepest)
+    assert not contact.may_overlap(1.1 * deepest)
+
+
 def test_an_outline_shrunk_as_much_is_refused() -> None:
     """It overlaps nothing, but lets the driven gear lag."""
     found = outlines(made("sine", 25)[1])

@@ -94,14 +94,17 @@ def range_of(function: Callable[[Array], Array], places: Array) -> tuple[Extremu
     return Extremum(-least.value, least.at), largest
 
 
-def largest_from(functions: Callable[[Array], Array], places: Array, values: Array, missed: Array) -> list[Extremum]:
+def largest_from(
+    functions: Callable[[Array], Array], places: Array, values: Array, missed: Array, above: float = -np.inf
+) -> list[Extremum]:
     """As ``largest_of_each``, with known values at the places, shape (q, n).
 
-    Largest values are known to ``missed`` (shape (q,)), or to EVEN of themselves where this is more.  Raises Unanswered
-    where values differ only by rounding errors that are more than that.
+    Largest values are known to ``missed`` (shape (q,)), or to EVEN of themselves where this is more; a largest value up
+    to ``above`` is told as ``above``.  Raises Unanswered where values differ only by rounding errors that are more than
+    that.
     """
     best = values.argmax(axis=1)
-    top, at = values.max(axis=1), places[best]
+    top, at = np.maximum(values.max(axis=1), above), places[best]
     left = _between(places, values)
     for _ in range(ROUNDS):
         left = _worth_cutting(left, top, np.maximum(missed, EVEN * np.abs(top)))

@@ -55,7 +55,7 @@ TRIALS, NEARER = 10, 3
 """Most pairs that are made until one is accepted, and how many more are tried between it and the last refused pair if
 it came soon; else one more."""
 
-WORTH = 0.01
+WORTH = 0.005
 """Least share of the deviation that another pair must promise to save."""
 
 NEXT_TEETH = (1.5, 2.0)
@@ -342,7 +342,9 @@ class _Search:
                         return made
                     refused = made
                 left = TRIALS + NEARER - 1 - trial
-            limits = between(good[-1], refused) if good else drawn_in(made, trial)
+                limits = drawn_in(made, STUBBORN - 1)
+            else:
+                limits = between(good[-1], refused) if good else drawn_in(made, trial)
         assert refused is not None
         assert refused.refusal is not None
         raise NoSuchMechanism(

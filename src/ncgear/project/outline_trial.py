@@ -42,7 +42,7 @@ count as those that have no contact in written outlines."""
 NO_TEETH = 0.9
 """Factor on all limits where teeth cannot be made at all."""
 
-STUBBORN, LAST, FEW_LACKING = 2, 6, 8
+STUBBORN, LAST, FEW_LACKING = 3, 6, 8
 """Numbers of refusals after which slopes and room are tightened too: where teeth run into each other or contact is
 short at many places, and where it is short at few.  More than ``FEW_LACKING`` places are many."""
 

@@ -7,7 +7,7 @@ spaces are then as deep as the mate's tips reach.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
 
@@ -125,10 +125,14 @@ def _fitted_to_mates(
         paths = paths_near_concave(gears, mates)
     found: list[PairTips] = []
     refusals: list[NoSuchMechanism] = []
+    free_of = cache(freed)
     for way in WAYS if limits.way is None else (limits.way,):
         try:
             tips = raised_tips() if way.raised else plain
-            free = _freed(tips, paths, way.first)
+            if found and least_overlap(tips) <= max(map(least_overlap, found)):
+                # Shorter tips only leave less.
+                continue
+            free = _freed(tips, paths, way.first, free_of)
             first, second = _below_ceilings(free, limits)
             one, other = _deepened(first, second, mates[0], clearance), _deepened(second, first, mates[1], clearance)
             if paths is not None:
@@ -189,18 +193,20 @@ def _raised(own: Flanks, mate: Tips, mates: Mates) -> Flanks:
     return replace(own, tip_height_mm=own.tip_height_mm + most)
 
 
-def _freed(tips: PairTips, paths: tuple[TipPaths, TipPaths] | None, first: int) -> PairTips:
+def _freed(
+    tips: PairTips, paths: tuple[TipPaths, TipPaths] | None, first: int, freed: Callable[[Tips, Tips, TipPaths], Tips]
+) -> PairTips:
     """Tips that do not foul each other, gear ``first`` shortened first; unchanged if none fouls, or NoSuchMechanism."""
     if paths is None:
         return tips
-    both, unchanged = list(tips), 0
+    both = list(tips)
     for turn in range(TURNS):
         own = (first + turn) % 2
         free = freed(both[own], both[1 - own], paths[own])
-        unchanged = unchanged + 1 if free is both[own] else 0
-        both[own] = free
-        if unchanged == 2:
+        # The turn before has freed the other gear's tips of these.
+        if turn and free is both[own]:
             return tips if all(one is other for one, other in zip(both, tips, strict=True)) else (both[0], both[1])
+        both[own] = free
     worst = both[(first + TURNS - 1) % 2]
     raise no_tip(worst.flanks, int(np.argmax(worst.limit == Limit.FOULING)))
 

@@ -25,7 +25,7 @@ from ncgear.numerics.crossing import boxes, chord_crossings
 from ncgear.numerics.plane import as_complex
 from ncgear.pitch.curve import CurvePoints
 from ncgear.teeth.flank import Flanks, flank_name
-from ncgear.teeth.tips import Limit, Tips, even_heights, no_tip, tip_crossing
+from ncgear.teeth.tips import Limit, Tips, edge_over_curve, even_heights, no_tip, tip_crossing
 from ncgear.teeth.tool import AGREEMENT, PinionCircle
 
 Mates = tuple[IndexArray, IndexArray]
@@ -165,15 +165,15 @@ def _stands(flanks: Flanks) -> tuple[Flanks, Flanks]:
 
 
 def _lowered(own: Tips, paths: TipPaths, fouling: Fouling, hit: Mask) -> Flanks:
-    """The flanks, with the tips that ``hit`` lowered to the greatest heights without fouling, by bisection."""
-    full = own.flanks.tip_height_mm
-    low, high, chosen, top = np.zeros_like(full), full.copy(), np.nonzero(hit)[0], own.height_mm.copy()
+    """The flanks, with the tips that ``hit`` lowered to the greatest heights without fouling, by bisection of edges."""
+    low, high = np.zeros_like(own.height_mm), own.height_mm
     for _ in range(HALVINGS):
-        trial = replace(own.flanks, tip_height_mm=np.where(hit, (low + high) / 2.0, full))
-        top[chosen] = tip_crossing(trial, chosen)[0]
-        fouls = fouling(trial, top, paths)
-        low, high = np.where(fouls, low, trial.tip_height_mm), np.where(fouls, trial.tip_height_mm, high)
-    return replace(own.flanks, tip_height_mm=even_heights(own.flanks, np.where(hit, FREE * low, full)))
+        edge = (low + high) / 2.0
+        fouls = fouling(own.flanks, edge, paths)
+        low, high = np.where(fouls, low, edge), np.where(fouls, edge, high)
+    chosen, height = np.nonzero(hit)[0], own.flanks.tip_height_mm.copy()
+    height[chosen] = np.minimum(height[chosen], FREE * edge_over_curve(own.flanks, chosen, low[chosen])[1])
+    return replace(own.flanks, tip_height_mm=even_heights(own.flanks, height))
 
 
 def _fouling(flanks: Flanks, top: Array, paths: TipPaths, teeth: list[Array]) -> Mask:

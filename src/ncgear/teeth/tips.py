@@ -132,10 +132,9 @@ def fitted_tips(flanks: Flanks, bounds: Bounds, undercut: Mask, least_land_mm: f
     cusp = regular < bounds.contact_mm
     allowed = np.minimum(regular, bounds.contact_mm)
     flanks = flanks.with_tips(height)
-    edges = _Edges(flanks, *tip_crossing(flanks))
-    lowered = _lowered(edges, allowed)
+    edges = _lowered(_Edges(flanks, *_newton_crossing(flanks.unturned, np.arange(flanks.count))), allowed)
+    lowered = edges.flanks.tip_height_mm
     limit = np.where(lowered < height, np.where(cusp, Limit.CUSP, reason), limit)
-    edges = edges.moved(lowered)
     free = _within_play(edges)
     limit = np.where(free < lowered, np.maximum(limit, Limit.FILLET), limit)
     even = even_heights(flanks, free)
@@ -188,21 +187,22 @@ def _within_play(edges: _Edges) -> Array:
     return height - np.maximum(over - allowed, 0.0)
 
 
-def _lowered(edges: _Edges, allowed: Array) -> Array:
-    flanks, height = edges.flanks, edges.flanks.tip_height_mm
+def _lowered(edges: _Edges, allowed: Array) -> _Edges:
+    """The edges, those above the allowed heights of contact lowered to them; the others that are not met are searched.
+
+    A lowered tip ends as high over the pitch curve as its flank at the allowed height.
+    """
+    flanks, height = edges.flanks, edges.flanks.tip_height_mm.copy()
     chosen = np.nonzero(~edges.met | (edges.top_mm > allowed))[0]
-    if not chosen.size:
-        return height
-    distance = _foot(flanks, chosen, allowed[chosen])[1]
-    lost = np.nonzero(np.isnan(distance))[0]
-    if lost.size:
-        raise no_tip(flanks, int(chosen[lost[0]]))
-    lowered = height.copy()
-    lowered[chosen] = np.minimum(height[chosen], distance)
-    return lowered
+    sigma, distance = edge_over_curve(flanks, chosen, allowed[chosen])
+    lower = distance < height[chosen]
+    rows, lost = chosen[lower], chosen[~lower]
+    height[rows] = distance[lower]
+    edges = edges.placed(height, rows, (allowed[rows], sigma[lower], np.ones(rows.size, dtype=bool)))
+    return edges.placed(height, lost, tip_crossing(edges.flanks, lost)) if lost.size else edges
 
 
-def _foot(flanks: Flanks, flank: IndexArray, height: Array) -> tuple[Array, Array]:
+def edge_over_curve(flanks: Flanks, flank: IndexArray, height: Array) -> tuple[Array, Array]:
     """Arc length of the pitch curve's point nearest to the contact of flanks at heights, and its distance; (n,)."""
     start = flanks.rolled_mm(flank, height) + flanks.side[flank] * height / flanks.slant.of(flank).tangent
     return nearest(flanks.curve, flanks.unturned.flank(flank, height)[0], start, AGREEMENT * flanks.rack.module_mm)
@@ -266,13 +266,15 @@ def _crossing_below_cusp(flanks: Flanks, which: IndexArray) -> tuple[Array, Arra
     lost = np.zeros(which.size, dtype=bool)
 
     def excess(height: Array, row: IndexArray) -> Array:
-        distance = _foot(flanks, which[row], height)[1] - tip[row]
+        distance = edge_over_curve(flanks, which[row], height)[1] - tip[row]
         # Without a foot the search ends, and the flank does not count as met.
         lost[row] |= np.isnan(distance)
         return np.nan_to_num(distance)
 
     rows, height = np.nonzero(tip > 0.0)[0], np.full(which.size, np.nan)
-    distance = _foot(flanks, np.repeat(which[rows], PROBES - 1), way[rows, 1:].ravel())[1].reshape(-1, PROBES - 1)
+    distance = edge_over_curve(flanks, np.repeat(which[rows], PROBES - 1), way[rows, 1:].ravel())[1].reshape(
+        -1, PROBES - 1
+    )
     # Without a foot on the way, the flank does not count as met.
     step = np.argmax(~(distance < tip[rows, None]), axis=1)
     met = distance[np.arange(rows.size), step] >= tip[rows]
@@ -280,7 +282,7 @@ def _crossing_below_cusp(flanks: Flanks, which: IndexArray) -> tuple[Array, Arra
     with searched_for(lambda row: flank_name(flanks, int(which[rows[row]])), "gears.teeth"):
         height[rows] = zeros_between(lambda trial: excess(trial, rows), way[rows, step], way[rows, step + 1])
     height[lost] = np.nan
-    sigma = _foot(flanks, which, height)[0]
+    sigma = edge_over_curve(flanks, which, height)[0]
     return height, sigma, np.isfinite(height) & np.isfinite(sigma)
 
 

@@ -99,8 +99,8 @@ INSET = 1e-9
 UNMET_MM = 1e9
 """Nearness of no outline; finite, so that differences are numbers."""
 
-SECTOR_IN_PITCHES = 1.0
-"""Arc to either side of a pitch point within which its normal is followed: longer than any tooth is high."""
+BEYOND_TEETH = 1.5
+"""Normals are followed to this many times the greatest height or depth of teeth."""
 
 
 def _tip_clearances(outlines: Outlines, teeth: ToothedPair, placement: Placement) -> tuple[float, float]:
@@ -155,36 +155,38 @@ def _least_clearance(tips: Written, tooth: IndexArray, roots: Written, space: In
         return found[None]
 
     chords = _chords(tip_mm, gear.flanks, low, high) + _chords(root_mm, mate.flanks, low + ahead, high + ahead)
-    shares = np.linspace(0.0, 1.0, PER_CHORD * chords + 1)
-    places = (2.0 * each[:, None] + shares).ravel()
+    land, place = counted_up(np.zeros_like(chords), PER_CHORD * chords + 1)
+    places = 2.0 * land + place / np.asarray(PER_CHORD * chords[land], dtype=float)
     (nearest,) = largest_of_each(chained, places)
     return -nearest.value if nearest.value < UNMET_MM else np.nan
 
 
-def _chords(outline_mm: Array, flanks: Flanks, low_mm: Array, high_mm: Array) -> int:
-    """The most chords of an outline, and a few more, over any stretch between two rolled lengths, shape (n,) each."""
+def _chords(outline_mm: Array, flanks: Flanks, low_mm: Array, high_mm: Array) -> IndexArray:
+    """Numbers of an outline's chords, and a few more, over stretches between two rolled lengths, shape (n,) each."""
     ends = np.stack([as_complex(flanks.curve.at_length(at).position) for at in (low_mm, high_mm)])
     half = np.angle(ends[1] / ends[0]) / 2.0
-    return int(polar_outline(as_complex(outline_mm)).windows(np.angle(ends[0]) + half, np.abs(half))[1].max())
+    return polar_outline(as_complex(outline_mm)).windows(np.angle(ends[0]) + half, np.abs(half))[1]
 
 
 def _along_normals(outline_mm: Array, flanks: Flanks, sense: float) -> Callable[[Array], Array]:
     """Distances from the pitch curve at rolled lengths to the outline along ``sense`` (n,); inf where it is missed."""
     outline = as_complex(outline_mm)
     around = polar_outline(outline)
+    reach = BEYOND_TEETH * max(float(np.max(flanks.tip_height_mm)), float(np.max(flanks.root_depth_mm)))
 
     def distance(sigma_mm: Array) -> Array:
         at = flanks.curve.at_length(sigma_mm)
         origin, direction = as_complex(at.position), sense * as_complex(at.normal)
-        width = SECTOR_IN_PITCHES * flanks.rack.pitch_mm / np.abs(origin)
-        row, vertex = counted_up(*around.windows(np.angle(origin), width))
-        arms = [outline[number % outline.size] - origin[row] for number in (vertex, vertex + 1)]
-        (before, after), (near, far) = ([product(direction[row], arm) for arm in arms] for product in (across, along))
-        crossed = np.nonzero((before < 0.0) != (after < 0.0))[0]
-        share = before[crossed] / (before[crossed] - after[crossed])
-        away = near[crossed] + share * (far[crossed] - near[crossed])
+        width = np.arcsin(np.minimum(reach / np.abs(origin), 1.0))
+        first, count = around.windows(np.angle(origin), width)
+        row, vertex = counted_up(first, count + 1)
+        arm = outline[vertex % outline.size] - origin[row]
+        side = across(direction[row], arm)
+        before = np.flatnonzero(((side[:-1] < 0.0) != (side[1:] < 0.0)) & (row[:-1] == row[1:]))
+        row, share = row[before], side[before] / (side[before] - side[before + 1])
+        away = along(direction[row], arm[before] + share * (arm[before + 1] - arm[before]))
         least = np.full(sigma_mm.size, np.inf)
-        np.minimum.at(least, row[crossed], np.where(away > 0.0, away, np.inf))
+        np.minimum.at(least, row, np.where(away > 0.0, away, np.inf))
         return least
 
     return distance

@@ -96,12 +96,25 @@ def written_extremes(
     return WrittenExtremes(*_play_of(pitch, even, found[:-2]), astray, overlap, _teeth_at(pitch, even, found[-1]))
 
 
+def may_overlap(
+    allowed_mm: float, outlines: Outlines, pitch: PitchPair, known: AsWritten, even: Placement, reach_mm: float
+) -> bool:
+    """Whether outlines, contact ``known`` at ``even`` positions, overlap by more than is allowed anywhere."""
+    touched, at_even = _touched_at(outlines, pitch, known, even, reach_mm), (even, _both_sides(known), known.overlap_mm)
+    (most,) = _largest(lambda rolled: _overlap(touched(rolled))[None], even, _overlap(at_even)[None], above=allowed_mm)
+    return most.value > allowed_mm
+
+
 def _largest(
-    quantities: Callable[[Array], Array], even: Placement, known: Array, finest: float = ALIKE_RAD
+    quantities: Callable[[Array], Array],
+    even: Placement,
+    known: Array,
+    finest: float = ALIKE_RAD,
+    above: float = -np.inf,
 ) -> list[Extremum]:
     """The largest values of quantities at rolled lengths, from values at even positions, shape (q, n)."""
     rolled, values = over_cycle(even, known)
-    return largest_from(quantities, rolled, values, np.maximum(KNOWN * np.ptp(values, axis=1), finest))
+    return largest_from(quantities, rolled, values, np.maximum(KNOWN * np.ptp(values, axis=1), finest), above)
 
 
 def _play_of(
@@ -169,7 +182,12 @@ def _ranged(touch_rad: Array) -> Array:
 
 def _quantities(touched: Touched, errors_rad: Array) -> Array:
     """The quantities whose largest values are searched, shape (8, n); without overlap the remaining room counts."""
+    astray = np.abs(touched[1] - errors_rad).max(axis=0)
+    return np.vstack([_ranged(touched[1]), astray, _overlap(touched)])
+
+
+def _overlap(touched: Touched) -> Array:
+    """Overlaps in mm, shape (n,), below 0 by the remaining room."""
     at, touch_rad, overlap_mm = touched
-    astray = np.abs(touch_rad - errors_rad).max(axis=0)
-    room = np.maximum(np.minimum(-touch_rad[0], touch_rad[1]), 0.0) * at.driven_radius_mm
-    return np.vstack([_ranged(touch_rad), astray, overlap_mm - room])
+    room: Array = np.maximum(np.minimum(-touch_rad[0], touch_rad[1]), 0.0) * at.driven_radius_mm
+    return overlap_mm - room

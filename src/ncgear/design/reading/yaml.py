@@ -93,7 +93,10 @@ class _Reader:
     def _value(self, event: Any, path: tuple[str, ...]) -> Any:
         self._count += 1
         if self._count > MOST_VALUES:
-            problem = f"over {MOST_VALUES} values in one file; fewer are right, and long tables in a CSV file"
+            problem = (
+                f"over {MOST_VALUES} values in one file; fewer are right: long columns go to a CSV file beside this, "
+                "and `file: NAME.csv` stands in their place"
+            )
             raise self._wrong(event, ".".join(path), problem)
         self._refuse_indirect(event, path)
         if isinstance(event, ScalarEvent):

@@ -116,15 +116,10 @@ def conditions(curve: Rolled, limits: CurveLimits) -> Iterator[OutlineCondition]
     r, r1, _ = curve.radius
     mean_mm, distance, steepest = float(np.mean(r)), curve.center_distance_mm, tan(limits.steepest_rad)
     for sign in (1.0, -1.0):
-        rows = (sign * b1 - steepest * b0) / mean_mm
-        yield OutlineCondition(Subject.STEEP, (sign * r1 - steepest * r) / mean_mm, partial(_alone, rows, none))
+        slopes = partial(lambda sign: ((sign * b1 - steepest * b0) / mean_mm, none, none), sign)
+        yield OutlineCondition(Subject.STEEP, (sign * r1 - steepest * r) / mean_mm, slopes)
     room = (1.0 - limits.nearest) / mean_mm
     yield OutlineCondition(Subject.ROOM, r / mean_mm - room * distance, lambda: (b0 / mean_mm, none - room, none))
-
-
-def _alone(rows: sparse.csr_array, none: Array) -> tuple[sparse.csr_array, Array, Array]:
-    """Slopes of conditions that depend on neither centre distance nor module."""
-    return rows, none, none
 
 
 def excess(curve: Rolled, limits: CurveLimits) -> float:

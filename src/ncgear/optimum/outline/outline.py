@@ -12,7 +12,7 @@ from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 
-FINE = 6000
+FINE = 3000
 """Least number of chords of an outline, so that the nearest vertex gives the nearest chord."""
 
 CROSSES = "Self-intersection"
@@ -93,7 +93,8 @@ class Outline:
 
     @cached_property
     def _tree(self) -> cKDTree:
-        return cKDTree(self._fine)
+        # Building a balanced tree would take longer than it saves.
+        return cKDTree(self._fine, compact_nodes=False, balanced_tree=False)
 
     def nearest(self, points_mm: Array) -> tuple[Array, Array]:
         """The nearest point of the outline to each point, shape (m, 2), and its distance in mm, shape (m,)."""

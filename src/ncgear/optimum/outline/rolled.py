@@ -19,7 +19,7 @@ from scipy import sparse
 from scipy.interpolate import BSpline
 
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.arrays import Array, IndexArray, counted_up
 
 DEGREE = 5
 """Degree of the spline: curvature and its change are continuous."""
@@ -255,9 +255,14 @@ class Rolled:
     @cached_property
     def mean_over_window(self) -> sparse.csr_array:
         """Weights of all places in the mean about each, shape (m, m)."""
-        reach = WINDOW_PITCHES * self.length_mm / self.teeth
-        near = np.maximum(1.0 - self.apart_mm(self.arc_mm) / reach, 0.0) * self.speed_mm
-        return sparse.csr_array(near / near.sum(axis=1, keepdims=True))
+        reach, arc, count = WINDOW_PITCHES * self.length_mm / self.teeth, self.arc_mm, self.arc_mm.size
+        around = np.concatenate([arc - self.length_mm, arc, arc + self.length_mm])
+        first, after = np.searchsorted(around, arc - reach), np.searchsorted(around, arc + reach)
+        row, place = counted_up(first, after - first)
+        weight = (1.0 - np.abs(around[place] - arc[row]) / reach) * self.speed_mm[place % count]
+        share = weight / np.bincount(row, weight)[row]
+        ends = np.concatenate([[0], np.cumsum(after - first)])
+        return sparse.csr_array((share, place % count, ends), shape=(count, count))
 
 
 def scaled(by: Array, rows: sparse.csr_array) -> sparse.csr_array:
