@@ -6,7 +6,6 @@ from math import pi, sqrt
 from types import SimpleNamespace
 from typing import Any
 
-import ncgear.kinematics.even_speed as even_speed
 import numpy as np
 import pytest
 from shapely import Polygon
@@ -27,6 +26,7 @@ from ncgear.drawings.scene.bodies import _bar
 from ncgear.dynamics.train_knocks import PER_SWING, SWINGS, KnockingTrain
 from ncgear.errors import WrongInput
 from ncgear.figures.advice.teeth_advice import _parts
+from ncgear.kinematics import crank_stretches
 from ncgear.numerics.chebyshev import PiecewiseChebyshev
 from ncgear.numerics.crossing import zoomed_crossings
 from ncgear.pitch.pair import STRAIGHT, PitchPair
@@ -371,6 +371,6 @@ def test_a_speed_is_passed_between_its_samples(last: int, level: float, at: floa
     angles = np.array([0.0, 1.0, 2.0])
     machine: Any = Made(displacement=lambda phi, order: Made(derivative=lambda number: -(2.0 + phi)))
     on: Any = Made(phi1_rad=angles, speed=2.0 + angles)
-    assert even_speed._where(machine, on, last, level) == pytest.approx(at)
+    assert crank_stretches._where(machine, on, last, level) == pytest.approx(at)
     still: Any = Made(phi1_rad=angles, speed=np.full(3, 2.0))
-    assert even_speed._where(machine, still, 1, 2.0) == 1.0
+    assert crank_stretches._where(machine, still, 1, 2.0) == 1.0

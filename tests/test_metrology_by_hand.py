@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from ncgear.metrology.as_measured import _in_order, is_metal
 
 import ncgear.metrology.best_fit as best_fit
 import ncgear.metrology.round_tool as round_tool
 from at_once import at_once
 from ncgear.metrology.best_fit import Pose
+from ncgear.metrology.deviations import _in_order, is_metal
 from ncgear.metrology.exact_outline import FLANK_CURVE, TIP_LAND_CURVE
 from ncgear.teeth.flank import FILLET, FLANK
 

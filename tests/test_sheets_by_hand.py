@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 import shapely
-from ncgear.files.workshop.gear_drawing import bore_shape
 from shapely import LineString, Polygon
 
 import ncgear.files.workshop.sheets.gear_view as gear_view
 import ncgear.files.workshop.sheets.sheets as sheets
 from at_once import at_once
+from ncgear.files.workshop.drawing import bore_shape
 from ncgear.files.workshop.sheets import gear_tables
 from ncgear.files.workshop.sheets.board import Board
 from ncgear.files.workshop.sheets.body import HATCH_MM, BodySection, PaperView, section_of

@@ -6,7 +6,6 @@ from math import acos, asin, cos, pi, sin, sqrt
 from types import SimpleNamespace
 from typing import Any
 
-import ncgear.kinematics.even_speed as even_speed
 import numpy as np
 import pytest
 
@@ -98,7 +97,7 @@ def test_waves_of_an_acceleration_above_an_order_are_those_of_fourier(order: int
 @pytest.mark.parametrize("tolerance", [0.01, 0.1, 0.3])
 def test_a_yoke_is_most_even_about_the_middle_of_its_stroke(tolerance: float, stroke: Stroke) -> None:
     """Speeds between the greatest one and (1 - t) / (1 + t) of it: a way of 2 r cos(asin((1 - t) / (1 + t)))."""
-    found = even_speed.longest_even_stretch(yoke(), stroke, tolerance)
+    found = crank_stretches.longest_even_stretch(yoke(), stroke, tolerance)
     share = (1.0 - tolerance) / (1.0 + tolerance)
     half = acos(share)
     middle = pi / 2.0 if stroke is Stroke.WORKING else 1.5 * pi
@@ -112,16 +111,16 @@ def test_a_yoke_is_most_even_about_the_middle_of_its_stroke(tolerance: float, st
 def test_the_longest_stretch_may_end_between_samples(monkeypatch: pytest.MonkeyPatch) -> None:
     """From the second place 3 mm and half of a step of 8 mm, which is more than 5 mm from the third one."""
     samples = Made(speed=np.ones(4), place_mm=np.array([0.0, 2.0, 5.0, 13.0]), phi1_rad=np.array([0.1, 0.2, 0.3, 0.4]))
-    monkeypatch.setattr(even_speed, "stretches", lambda machine: [])
-    monkeypatch.setattr(even_speed, "_sampled", lambda parts, most: samples)
+    monkeypatch.setattr(crank_stretches, "stretches", lambda machine: [])
+    monkeypatch.setattr(crank_stretches, "_sampled", lambda parts, most: samples)
     last = np.array([1, 2, 2, 3])
-    monkeypatch.setattr(even_speed, "_reach", lambda speed, most: (last, np.full(4, 1.5), np.full(4, 0.9)))
+    monkeypatch.setattr(crank_stretches, "_reach", lambda speed, most: (last, np.full(4, 1.5), np.full(4, 0.9)))
     share = np.array([0.9, 0.5, 0.6, 0.0])
-    monkeypatch.setattr(even_speed, "_beyond", lambda *_: (share, np.array([1.0, 1.2, 1.3, 1.4])))
+    monkeypatch.setattr(crank_stretches, "_beyond", lambda *_: (share, np.array([1.0, 1.2, 1.3, 1.4])))
     asked: list[Any] = []
-    monkeypatch.setattr(even_speed, "_where", lambda machine, on, last, level: asked.append((last, level)) or 0.37)
+    monkeypatch.setattr(crank_stretches, "_where", lambda machine, on, last, level: asked.append((last, level)) or 0.37)
     machine: Any = Made(speed_rad_s=SPEED, displacement=lambda phi1, order: Made(value=100.0 * phi1))
-    found = even_speed.longest_even_stretch(machine, Stroke.WORKING, 0.1)
+    found = crank_stretches.longest_even_stretch(machine, Stroke.WORKING, 0.1)
     assert asked == [(2, 1.2)]
     assert (found.start_rad, found.start_mm, found.end_rad) == (0.2, 2.0, 0.37)
     assert (found.end_mm, found.least_mm_s, found.most_mm_s) == pytest.approx((37.0, 1.8, 3.0))
