@@ -12,7 +12,6 @@ from scipy.integrate import solve_ivp
 from ncgear.dynamics.crank_load import CrankLoad
 from ncgear.dynamics.flank_changes import (
     CHECKED,
-    HARDEST,
     PER_SWING,
     SETTLED,
     BorneTorque,
@@ -20,11 +19,10 @@ from ncgear.dynamics.flank_changes import (
     Knock,
     borne_torque,
     joined,
-    moments_n_mm,
-    near_pairs,
 )
 from ncgear.dynamics.gaps import Gaps
 from ncgear.dynamics.meshing import Friction, Impact, Meshing
+from ncgear.dynamics.near_pairs import HARDEST, moments_n_mm, near_pairs
 from ncgear.numerics.periodic_table import PeriodicTable
 
 TURN = 2.0 * pi
