@@ -299,11 +299,12 @@ class _DrivenSide:
             together = middles.size if middles[-1] < ends_rad[0] else TOGETHER * PER_SWING // HELD
             for begin in range(0, middles.size, together):
                 some = middles[begin : begin + together]
-                pairs, *columns = self._along(some)
+                pairs, levers = near_pairs(self.meshing, some, self.speed_rad_s, self.most_n_mm)
+                columns = some, levers, self._inertia(some), self.asked(some)
                 for first in range(0, some.size, rows):
                     part = slice(first, first + rows)
                     phi1 = place + step_rad * np.arange(1.0, HELD * rows + 1.0)
-                    yield _Part(step_s, swing, phi1, pairs[part], some[part], *(column[part] for column in columns))
+                    yield _Part(step_s, swing, phi1, pairs[part], *(column[part] for column in columns))
                     place = float(phi1[-1])
 
     def _stepped(
@@ -340,17 +341,12 @@ class _DrivenSide:
     def swings_rad_s(self, phi1_rad: Array) -> Array:
         """How fast the driven side swings on two pairs of teeth at driving angles, shape (n,), in rad/s."""
         near = self.meshing.gaps.at(phi1_rad)
-        inertia = self.load.table.at(self.meshing.law.at(phi1_rad)[0])[0][..., 0]
         pair = self.meshing.gaps.of_sections(near.stiffness * near.lever_mm**2)
-        return np.asarray(np.sqrt(2.0 * pair / inertia))
+        return np.asarray(np.sqrt(2.0 * pair / self._inertia(phi1_rad)))
 
-    def _along(self, phi1_rad: Array) -> tuple[Sequence[NearPairs], Array, Array, Array]:
-        """The pairs near contact at driving angles, shape (n,), and their largest lever.
-
-        Then the inertia of the driven side and the demanded torque, shape (n,) each.
-        """
+    def _inertia(self, phi1_rad: Array) -> Array:
         inertia: Array = self.load.table.at(self.meshing.law.at(phi1_rad)[0])[0][..., 0]
-        return *near_pairs(self.meshing, phi1_rad, self.speed_rad_s, self.most_n_mm), inertia, self.asked(phi1_rad)
+        return inertia
 
 
 @dataclass(frozen=True, eq=False)

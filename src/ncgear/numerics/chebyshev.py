@@ -135,7 +135,9 @@ class Cells:
             cell = starts.searchsorted(some, side="right")
             left, right = (end.take(cell) for end in ends)
             local = ((some - left) - (right - some)) / (right - left)
-            np.einsum("kn,nck->nc", powers(local, count), by_column.take(cell, axis=0), out=values[rows])
+            # Next to each other in memory, so that a value is the same among any number of points.
+            each = np.ascontiguousarray(powers(local, count).T)
+            np.einsum("nk,nck->nc", each, by_column.take(cell, axis=0), out=values[rows])
         return values.reshape(*points.shape, columns)
 
 
