@@ -22,8 +22,7 @@ from ncgear.dynamics.flank_changes import (
     joined,
 )
 from ncgear.dynamics.gaps import Gaps
-from ncgear.dynamics.meshing import Friction, Impact, Meshing
-from ncgear.dynamics.near_pairs import HARDEST, moments_n_mm, near_pairs
+from ncgear.dynamics.meshing import HARDEST, Friction, Impact, Meshing, moments_n_mm, near_pairs
 from ncgear.numerics.periodic_table import PeriodicTable
 
 TURN = 2.0 * pi

@@ -26,8 +26,7 @@ from math import pi
 import numpy as np
 
 from ncgear.dynamics.crank_load import CrankLoad
-from ncgear.dynamics.meshing import Meshing
-from ncgear.dynamics.near_pairs import NearPairs, moments_n_mm, near_pairs
+from ncgear.dynamics.meshing import Meshing, NearPairs, moments_n_mm, near_pairs
 from ncgear.dynamics.quasi_static import loaded_contact
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray

@@ -39,8 +39,7 @@ from ncgear.dynamics.flank_changes import (
     joined,
     settled_rad,
 )
-from ncgear.dynamics.meshing import Meshing
-from ncgear.dynamics.near_pairs import NearPairs, moments_n_mm, near_pairs
+from ncgear.dynamics.meshing import Meshing, NearPairs, moments_n_mm, near_pairs
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.pitch.shape import Gear
