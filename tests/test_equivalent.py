@@ -28,8 +28,7 @@ Array = np.ndarray
 def touched(curvature: float, turn: float = 0.7) -> CurvePoints:
     """A curve's point at (3, -2) whose tangent stands at an angle."""
     tangent = np.array([[np.cos(turn), np.sin(turn)]])
-    normal = np.array([[np.sin(turn), -np.cos(turn)]])
-    return CurvePoints(np.array([[3.0, -2.0]]), tangent, normal, np.array([curvature]))
+    return CurvePoints(np.array([[3.0, -2.0]]), tangent, -1.0, np.array([curvature]))
 
 
 @at_once("curvature", [0.3, 1e-3, 1e-9, -1e-3, -0.3])

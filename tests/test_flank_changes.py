@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from ncgear.dynamics import flank_changes
 from ncgear.dynamics.crank_load import CrankLoad
 from ncgear.dynamics.flank_changes import (
     CHECKED,
-    HARDEST,
     PER_SWING,
     SETTLED,
     BorneTorque,
@@ -20,11 +20,9 @@ from ncgear.dynamics.flank_changes import (
     Knock,
     borne_torque,
     joined,
-    moments_n_mm,
-    near_pairs,
 )
 from ncgear.dynamics.gaps import Gaps
-from ncgear.dynamics.meshing import Friction, Impact, Meshing
+from ncgear.dynamics.meshing import HARDEST, Friction, Impact, Meshing, moments_n_mm, near_pairs
 from ncgear.numerics.periodic_table import PeriodicTable
 
 TURN = 2.0 * pi
@@ -151,6 +149,19 @@ def test_flanks_that_part_meet_again_and_swing_as_in_closed_form() -> None:
     last = slice(-CHECKED * PER_SWING, None)
     left = np.abs(found.torque_n_mm[0, last] - saw(found.phi1_rad[last]))
     assert left.max() < 1.01 * SETTLED * saw(np.linspace(0.0, TURN, 1001)).max()
+
+
+def test_pairs_may_be_computed_for_any_number_of_swings_together(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """To the bit, for each of the runs that follow the knocks."""
+    torques = []
+    for together in (CHECKED, 16, 96):
+        monkeypatch.setattr(flank_changes, "TOGETHER", together)
+        found = borne_torque(teeth(damping=DAMPED), load(), saw, SPEED, TURN)
+        torques.append([one.torque_n_mm for one in (found, *found.others)])
+    for own, *others in zip(*torques, strict=True):
+        assert all(np.array_equal(own, other, equal_nan=True) for other in others)
 
 
 def test_between_stretches_that_are_followed_the_teeth_bear_what_is_asked() -> None:

@@ -132,13 +132,13 @@ def assembled(of: PitchPair, phi1: Array) -> tuple[CurvePoints, CurvePoints]:
         CurvePoints(
             turned(driving.position, phi1),
             turned(driving.tangent, phi1),
-            turned(driving.normal, phi1),
+            driving.outside,
             driving.curvature,
         ),
         CurvePoints(
             turned(driven.position, driven_angle) + axis,
             turned(driven.tangent, driven_angle),
-            turned(driven.normal, driven_angle),
+            driven.outside,
             driven.curvature,
         ),
     )

@@ -19,18 +19,17 @@ from a reversal or jump of the torque until the teeth have settled; elsewhere th
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import field, replace
 from math import pi
 
 import numpy as np
 
 from ncgear.dynamics.crank_load import CrankLoad
-from ncgear.dynamics.meshing import Impact, Meshing, ramp
+from ncgear.dynamics.meshing import Meshing, NearPairs, moments_n_mm, near_pairs
 from ncgear.dynamics.quasi_static import loaded_contact
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
-from ncgear.pitch.shape import Gear
 
 SAMPLES = 4096
 """Places of a cycle at which the torque is tested for reversals and jumps."""
@@ -52,8 +51,9 @@ HELD = 4
 """Steps for which arms, stiffness, loads and inertia keep their values of the middle: a sixth of a swing.  Gaps keep
 changing: meeting teeth close gaps of many times the depth to which load presses them."""
 
-SWINGS, CHECKED = 96, 4
-"""Swings whose pairs and loads are computed together, and swings between two tests whether the teeth have settled."""
+SWINGS, TOGETHER, CHECKED = 96, 16, 4
+"""Swings with steps of the same length, swings whose pairs and loads are computed together where the teeth may settle
+at any time, and swings between two tests whether they have settled."""
 
 FINER = 1.0, 1.04, 1.08
 """Factors by which the steps are finer in the runs that follow knocks.  Knocks may differ from turn to turn, like a
@@ -63,9 +63,6 @@ FEW, FEWEST = 4000, 300
 """Most and fewest swings in a cycle that is followed as a whole.  With fewer, as with a flywheel on the driven shaft,
 swings are about as slow as the passing of teeth, a resonance that K_V covers.  Pairs that come and go swing the driven
 side, less with slower passing: by 30 % of the torque with 17 swings to a pitch, by 20 % with 30 (a shaper)."""
-
-HARDEST = 20.0
-"""Largest torque of a knock for which pairs are counted, over the largest demanded torque."""
 
 SETTLED, TOUCHING = 0.03, 0.5
 """Largest deviations of settled teeth from the torque of the law: as a share of the largest torque (K_V covers smaller
@@ -273,43 +270,54 @@ class _DrivenSide:
         torque = [np.tile(self.asked(np.array([start_rad])), (2, 1))]
         settled_at = settled_rad(self.meshing, start_rad, float(torque[0][0, 0]), flank, IDLE * self.most_n_mm)
         state, phi1, knocks = (settled_at, 0.0), [np.array([start_rad])], list[Knock]()
-        settled = False
-        while not settled and phi1[-1][-1] < ends_rad[1]:
-            step_s, swing = self._step(float(phi1[-1][-1]))
-            step_rad = self.speed_rad_s * step_s
-            middles = phi1[-1][-1] + HELD * step_rad * (np.arange(SWINGS * PER_SWING // HELD) + 0.5)
-            pairs, levers, inertia, asked = self._along(middles)
-            for first in range(0, middles.size, CHECKED * PER_SWING // HELD):
-                part = slice(first, first + CHECKED * PER_SWING // HELD)
-                borne, state, met = self._stepped(state, pairs[part], inertia[part], asked[part], step_s)
-                phi1.append(phi1[-1][-1] + step_rad * np.arange(1.0, borne.shape[1] + 1.0))
-                torque.append(borne)
-                knocks += [
-                    Knock(float(middles[part][row]), speed * float(levers[part][row]))
-                    for row, speed in met
-                    if speed * float(inertia[part][row]) * swing > SETTLED * self.most_n_mm
-                ]
-                # A swing of this momentum presses the teeth with its torque.
-                missed = float(np.abs(borne[TURNING] - np.repeat(asked[part], HELD)).max())
-                swinging = max(missed, abs(state[1]) * swing)
-                least, most = float(np.abs(asked[part]).min()), float(np.abs(asked[part]).max())
-                touching = swinging <= TOUCHING * least or most <= IDLE * self.most_n_mm
-                settled = touching and swinging <= SETTLED * self.most_n_mm and phi1[-1][-1] >= ends_rad[0]
-                if settled:
-                    break
+        for part in self._parts(start_rad, ends_rad):
+            borne, state, met = self._stepped(state, part)
+            phi1.append(part.phi1_rad)
+            torque.append(borne)
+            knocks += [
+                Knock(float(part.middles_rad[row]), speed * float(part.levers_mm[row]))
+                for row, speed in met
+                if speed * float(part.inertia[row]) * part.swing_rad_s > SETTLED * self.most_n_mm
+            ]
+            # A swing of this momentum presses the teeth with its torque.
+            missed = float(np.abs(borne[TURNING] - np.repeat(part.asked, HELD)).max())
+            swinging = max(missed, abs(state[1]) * part.swing_rad_s)
+            least, most = float(np.abs(part.asked).min()), float(np.abs(part.asked).max())
+            touching = swinging <= TOUCHING * least or most <= IDLE * self.most_n_mm
+            if touching and swinging <= SETTLED * self.most_n_mm and phi1[-1][-1] >= ends_rad[0]:
+                break
         return FollowedStretch(np.concatenate(phi1), np.concatenate(torque, axis=1), knocks)
 
+    def _parts(self, start_rad: float, ends_rad: tuple[float, float]) -> Iterator[_Part]:
+        """The parts of the way from a place to the second of ``ends_rad``; up to the first all are needed."""
+        place, rows = start_rad, CHECKED * PER_SWING // HELD
+        while place < ends_rad[1]:
+            step_s, swing = self._step(place)
+            step_rad = self.speed_rad_s * step_s
+            middles = np.array([place]) + HELD * step_rad * (np.arange(SWINGS * PER_SWING // HELD) + 0.5)
+            together = middles.size if middles[-1] < ends_rad[0] else TOGETHER * PER_SWING // HELD
+            for begin in range(0, middles.size, together):
+                some = middles[begin : begin + together]
+                pairs, levers = near_pairs(self.meshing, some, self.speed_rad_s, self.most_n_mm)
+                columns = some, levers, self._inertia(some), self.asked(some)
+                for first in range(0, some.size, rows):
+                    part = slice(first, first + rows)
+                    phi1 = place + step_rad * np.arange(1.0, HELD * rows + 1.0)
+                    yield _Part(step_s, swing, phi1, pairs[part], *(column[part] for column in columns))
+                    place = float(phi1[-1])
+
     def _stepped(
-        self, state: tuple[float, float], pairs: Sequence[NearPairs], inertia: Array, asked: Array, step_s: float
+        self, state: tuple[float, float], part: _Part
     ) -> tuple[Array, tuple[float, float], list[tuple[int, float]]]:
         """The torques after each of the HELD steps of n rows, shape (2, n HELD), and the last state.
 
         A state is the driven angle beyond the law's and its momentum.  Then the row and the speed of meeting flanks.
         """
         (ahead_rad, momentum), met, every = state, list[tuple[int, float]](), list[tuple[float, float]]()
-        impact, later_s = self.meshing.impact, [step_s * (step + 1 - HELD / 2) for step in range(HELD)]
-        normal, turning = moments_n_mm(impact, pairs[0], ahead_rad, momentum / float(inertia[0]), -step_s * HELD / 2)
-        for row, (near, mass, load) in enumerate(zip(pairs, inertia.tolist(), asked.tolist(), strict=True)):
+        impact, step_s, pairs = self.meshing.impact, part.step_s, part.pairs
+        inertia, later_s = part.inertia.tolist(), [step_s * (step + 1 - HELD / 2) for step in range(HELD)]
+        normal, turning = moments_n_mm(impact, pairs[0], ahead_rad, momentum / inertia[0], -step_s * HELD / 2)
+        for row, (near, mass, load) in enumerate(zip(pairs, inertia, part.asked.tolist(), strict=True)):
             for later in later_s:
                 momentum += 0.5 * step_s * (turning - load)
                 speed_rad_s = momentum / mass
@@ -332,87 +340,30 @@ class _DrivenSide:
     def swings_rad_s(self, phi1_rad: Array) -> Array:
         """How fast the driven side swings on two pairs of teeth at driving angles, shape (n,), in rad/s."""
         near = self.meshing.gaps.at(phi1_rad)
-        inertia = self.load.table.at(self.meshing.law.at(phi1_rad)[0])[0][..., 0]
         pair = self.meshing.gaps.of_sections(near.stiffness * near.lever_mm**2)
-        return np.asarray(np.sqrt(2.0 * pair / inertia))
+        return np.asarray(np.sqrt(2.0 * pair / self._inertia(phi1_rad)))
 
-    def _along(self, phi1_rad: Array) -> tuple[Sequence[NearPairs], Array, Array, Array]:
-        """The pairs near contact at driving angles, shape (n,), and their largest lever.
-
-        Then the inertia of the driven side and the demanded torque, shape (n,) each.
-        """
+    def _inertia(self, phi1_rad: Array) -> Array:
         inertia: Array = self.load.table.at(self.meshing.law.at(phi1_rad)[0])[0][..., 0]
-        return *near_pairs(self.meshing, phi1_rad, self.speed_rad_s, self.most_n_mm), inertia, self.asked(phi1_rad)
+        return inertia
 
 
-NearPairs = list[list[list[float]]] | Array
-"""The arm, the touching angle, the stiffness, the rate of that angle in rad/s and the arm with friction of each of some
-pairs, for either side of the teeth, the pairs that touch first before the others; of many, an array (5, pairs)."""
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """A part of the followed way: n rows of HELD steps, with the values of the middles of the rows, shape (n,) each.
 
-MANY = 16
-"""Number of pairs, as of sections of helical teeth, from which arrays are faster than plain numbers."""
-
-
-def near_pairs(
-    meshing: Meshing, phi1_rad: Array, speed_rad_s: Array | float, most_n_mm: float, turned: Gear = Gear.DRIVEN
-) -> tuple[Sequence[NearPairs], Array]:
-    """The pairs at driving angles and speeds of the driving gear, shape (n,), and their largest lever.
-
-    Pairs count that a torque of HARDEST times the largest torque presses together.  Arms with friction are those of the
-    gear that is ``turned``; the driving gear is turned back.
+    The steps end at ``phi1_rad``, shape (n HELD,); ``levers_mm`` are the largest levers of ``pairs``.  The driven side,
+    of ``inertia``, swings by ``swing_rad_s`` at most.
     """
-    near = meshing.gaps.at(phi1_rad)
-    arm, ahead = near.urge * near.lever_mm, near.urge * near.error_rad
-    reach_rad = HARDEST * most_n_mm / float(np.where(arm, near.stiffness * arm**2, np.inf).min())
-    speed = np.reshape(speed_rad_s, (-1, 1))
-    slope = meshing.law.at(phi1_rad)[1][:, None]
-    rub = meshing.friction.coefficient((near.driving_mm - near.driven_mm * slope) * speed)
-    rubbed = arm + rub * near.driven_mm if turned is Gear.DRIVEN else slope * arm + rub * near.driving_mm
-    pairs = np.stack([arm, near.error_rad, near.stiffness, near.slopes[0] * speed, rubbed], axis=-1)
-    levers: Array = near.lever_mm.max(axis=-1)
-    sides = list[Array]()
-    for side in (1.0, -1.0):
-        key = np.where(near.urge == side, ahead, -np.inf)
-        reached = key >= key.max(axis=-1, keepdims=True) - reach_rad
-        most = int(np.count_nonzero(reached & (near.urge == side), axis=-1).max())
-        order = np.argsort(-key, axis=-1)[:, :most, None]
-        # Empty places have no arm, so that they never touch.
-        sides.append(np.take_along_axis(pairs * (near.urge == side)[..., None], order, axis=1))
-    if sum(one.shape[1] for one in sides) > MANY:
-        return list(np.swapaxes(np.concatenate(sides, axis=1), 1, 2)), levers
-    return [list(both) for both in zip(*(one.tolist() for one in sides), strict=True)], levers
 
-
-def moments_n_mm(
-    impact: Impact, pairs: NearPairs, ahead_rad: float, speed_rad_s: float, later_s: float = 0.0
-) -> tuple[float, float]:
-    """The moments of touching pairs on the driven side, of their normal forces and with friction.
-
-    ``ahead_rad`` and ``speed_rad_s`` are the driven side's angle and speed beyond the law's.  The pairs are
-    those of a time ``later_s`` ago.
-    """
-    if isinstance(pairs, np.ndarray):
-        arms, errors, _, rates, _ = pairs
-        depths = arms * (errors + later_s * rates - ahead_rad)
-        touching = depths > 0.0
-        (arms, _, stiffnesses, rates, rubbed), depths = pairs[:, touching], depths[touching]
-        damped = impact.damping(depths) * arms * (rates - speed_rad_s)
-        force = impact.force_n(impact.elastic_n(depths, stiffnesses), damped)
-        return float(arms @ force), float(rubbed @ force)
-    # Plain numbers, as Impact has them for any: the knocks of a turn ask a hundred thousand times.
-    exponent, full, deep = impact.exponent, impact.damping_n_s_mm, impact.full_damping_depth_mm
-    normal, turning = 0.0, 0.0
-    for side in pairs:
-        for arm, error_rad, stiffness, rate_rad_s, rubbed in side:
-            depth = arm * (error_rad + later_s * rate_rad_s - ahead_rad)
-            if depth <= 0.0:
-                break
-            damping = full if depth >= deep else full * ramp(depth / deep)
-            force = stiffness * depth**exponent + damping * arm * (rate_rad_s - speed_rad_s)
-            if force > 0.0:
-                normal += arm * force
-                turning += rubbed * force
-    return normal, turning
+    step_s: float
+    swing_rad_s: float
+    phi1_rad: Array
+    pairs: Sequence[NearPairs]
+    middles_rad: Array
+    levers_mm: Array
+    inertia: Array
+    asked: Array
 
 
 def settled_rad(meshing: Meshing, phi1_rad: float, torque_n_mm: float, flank: float, idle: float) -> float:

@@ -23,7 +23,8 @@ class PairPlaces(Columns):
     """n pairs of teeth, each at its place of contact, shape (n,) each.
 
     The flanks are numbered as in ``ncgear.teeth.flank``.  Points in mm and unit normals, which lead into the tooth, are
-    in the frame of their own gear.  ``flanks`` is false where an edge touches.
+    in the frame of their own gear.  ``driving_mm`` and ``driven_mm`` are the heights on both flanks, NaN where an edge
+    touches.
     """
 
     driving_flank: IndexArray
@@ -32,7 +33,13 @@ class PairPlaces(Columns):
     driven_flank: IndexArray
     driven_point: ComplexArray
     driven_inwards: ComplexArray
-    flanks: Mask
+    driving_mm: Array
+    driven_mm: Array
+
+    @property
+    def flanks(self) -> Mask:
+        """Whether two flanks touch."""
+        return ~np.isnan(self.driving_mm)
 
 
 PairStiffness = Callable[[PairPlaces], Array]
@@ -66,7 +73,8 @@ def pair_places(contacts: Contacts, placement: Placement) -> PairPlaces:
         contacts.driven,
         contacts.point,
         into_driven * driven_back,
-        contacts.flanks,
+        contacts.driving_mm,
+        contacts.driven_mm,
     )
 
 

@@ -35,14 +35,11 @@ from ncgear.dynamics.flank_changes import (
     BorneTorque,
     FollowedStretch,
     Knock,
-    NearPairs,
     flanks_of,
     joined,
-    moments_n_mm,
-    near_pairs,
     settled_rad,
 )
-from ncgear.dynamics.meshing import Meshing
+from ncgear.dynamics.meshing import Meshing, NearPairs, moments_n_mm, near_pairs
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.pitch.shape import Gear

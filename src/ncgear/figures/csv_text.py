@@ -99,7 +99,9 @@ def csv_text(names: Sequence[str], columns: Sequence[Array | IndexArray]) -> str
     for name, column in zip(names, columns, strict=True):
         if not np.isfinite(column).all():
             raise ValueError(f"{name} holds a value that is not finite")
-    return _written(names, zip(*(column.tolist() for column in columns), strict=True))
+    # As csv.writer writes numbers, in two thirds of its time.
+    cells = (map(repr, column.tolist()) for column in columns)
+    return "\n".join([",".join(names), *map(",".join, zip(*cells, strict=True)), ""])
 
 
 def rows_text(names: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
@@ -107,11 +109,6 @@ def rows_text(names: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
 
     Raises Unanswered for a number that is not finite.
     """
-    return _written(names, (finite(row, "a row") for row in rows))
-
-
-def _written(names: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     text = StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerows([names, *rows])
+    csv.writer(text, lineterminator="\n").writerows([names, *(finite(row, "a row") for row in rows)])
     return text.getvalue()

@@ -65,7 +65,7 @@ class WorkingFlanks:
         """Points at distances outside the points where flanks touch at heights, and derivatives by the height."""
         slant, side = self.flanks.slant.of(flank), self.flanks.side[flank][..., None]
         sine, cosine = (np.broadcast_to(value, flank.shape)[..., None] for value in (slant.sine, slant.cosine))
-        at = self.flanks.standing(flank, self.flanks.rolled_mm(flank, height_mm))
+        at = self.flanks.at_rolled(flank, self.flanks.rolled_mm(flank, height_mm)).turned(self.flanks.turn_rad[flank])
         farther = height_mm / slant.sine + distance_mm
         along = cosine * at.normal - side * sine * at.tangent
         speed = (slant.sine + farther * at.curvature) / slant.height_per_rolled

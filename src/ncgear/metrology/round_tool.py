@@ -21,6 +21,7 @@ import numpy as np
 
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.pitch.curve import outside
 from ncgear.teeth.flank import FILLET, FLANK, Flanks
 from ncgear.teeth.gear import ToothedGear
 from ncgear.teeth.outline import whole_curves
@@ -95,9 +96,8 @@ class _Outline:
         order = np.argsort(np.concatenate([curve.rank for curve in self._curves]), kind="stable")
         self.kind = np.concatenate([np.full(curve.owner.size, kind) for kind, curve in enumerate(self._curves)])[order]
         self._row = np.concatenate([np.arange(curve.owner.size) for curve in self._curves])[order]
-        at = gear.flanks.curve.at_length(np.zeros(1))
         # Curves run in the sense of growing arc length, with the material always on the same side.
-        self._side = float(np.sign(at.tangent[0, 0] * at.normal[0, 1] - at.tangent[0, 1] * at.normal[0, 0]))
+        self._side = outside(gear.flanks.curve.gear)
 
     def at(self, place: Array) -> tuple[Array, Array]:
         """Points and unit normals at places of any shape."""
@@ -215,7 +215,7 @@ def _hollow_mm(flanks: Flanks, kind: int, curve: CurveStretch, rows: IndexArray,
         return radius + flanks.root_radius_mm[owner]
     sine = flanks.slant.of(owner).sine if kind == FLANK else 1.0
     if kind == FLANK:
-        curvature, height = flanks.at_rolled(owner, flanks.rolled_mm(owner, parameter)).curvature, parameter
+        curvature, height = flanks.rolling_curvature(owner, parameter), parameter
     else:
         curvature, height = flanks.curve.at_length(parameter).curvature, flanks.tip_height_mm[owner]
     np.divide(-sine, curvature, out=radius, where=curvature < 0.0)

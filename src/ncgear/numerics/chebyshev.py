@@ -116,22 +116,28 @@ class Cells:
     powers: Array
 
     @cached_property
-    def _places(self) -> tuple[Array, Array, Array]:
-        """Beginnings of all cells but the first, and both ends of all cells, each next to each other in memory."""
+    def _in_memory(self) -> tuple[Array, Array, Array, Array]:
+        """Beginnings of all cells but the first, both ends, and the coefficients of columns, in the order of use."""
         left, right = (end.copy() for end in self.ends.T)
-        return left[1:], left, right
+        return left[1:], left, right, np.ascontiguousarray(np.moveaxis(self.powers, 1, 2))
+
+    def column(self, number: int) -> Cells:
+        """One of the columns alone."""
+        return Cells(self.ends, self.powers[..., number : number + 1])
 
     def __call__(self, points: Array) -> Array:
         """Values at ``points`` (any shape), the trailing axis appended; as ``PiecewiseChebyshev``."""
         flat, (count, columns) = points.ravel(), self.powers.shape[1:]
-        starts, *ends = self._places
+        starts, *ends, by_column = self._in_memory
         values = np.empty((flat.size, columns))
         for rows in row_blocks(flat.size):
             some = flat[rows]
             cell = starts.searchsorted(some, side="right")
             left, right = (end.take(cell) for end in ends)
             local = ((some - left) - (right - some)) / (right - left)
-            np.matmul(powers(local, count).T[:, None], self.powers.take(cell, axis=0), out=values[rows, None])
+            # Next to each other in memory, so that a value is the same among any number of points.
+            each = np.ascontiguousarray(powers(local, count).T)
+            np.einsum("nk,nck->nc", each, by_column.take(cell, axis=0), out=values[rows])
         return values.reshape(*points.shape, columns)
 
 
@@ -153,7 +159,7 @@ def cells_of(form: PiecewiseChebyshev) -> Cells:
     short_series = np.concatenate([block for _, block in done], axis=1)
     order = np.argsort(ends[:, 0])
     powers = np.tensordot(_to_powers(len(short_series) - 1), short_series[:, order], axes=1)
-    return Cells(ends[order], np.ascontiguousarray(np.moveaxis(powers, 1, 0)))
+    return Cells(ends[order], np.moveaxis(powers, 1, 0))
 
 
 @cache

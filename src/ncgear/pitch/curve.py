@@ -19,7 +19,7 @@ from ncgear.frozen import dataclass
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array, Columns, ComplexArray
 from ncgear.numerics.chebyshev import Cells, NotSmooth, PiecewiseChebyshev, cells_of
-from ncgear.numerics.plane import across, along, as_complex, turned
+from ncgear.numerics.plane import across, along, as_complex, as_points, turned
 from ncgear.pitch import shape
 from ncgear.pitch.arc_length import ArcLength, ArcMaps, too_sharp
 from ncgear.pitch.shape import Gear, Mesh
@@ -31,18 +31,24 @@ class CurvePoints(Columns):
     """Points of a curve, of any shape (...).
 
     ``position`` in mm, unit ``tangent`` in the sense of growing arc length and unit ``normal`` away from the gear's
-    material have shape (..., 2); ``curvature`` in 1/mm (positive where convex) has shape (...).
+    material have shape (..., 2); ``curvature`` in 1/mm (positive where convex) has shape (...).  ``outside`` is +1
+    where the normal is on the left of the tangent, and -1 where it is on the right.
     """
 
     position: Array
     tangent: Array
-    normal: Array
+    outside: float
     curvature: Array
+
+    @property
+    def normal(self) -> Array:
+        """Unit normals."""
+        return as_points(1j * self.outside * as_complex(self.tangent))
 
     def turned(self, angle_rad: Array) -> CurvePoints:
         """The curve turned counter-clockwise about (0, 0) by angles; shapes broadcast."""
-        position, tangent, normal = (turned(array, angle_rad) for array in (self.position, self.tangent, self.normal))
-        return CurvePoints(position, tangent, normal, np.broadcast_to(self.curvature, position.shape[:-1]))
+        position, tangent = (turned(array, angle_rad) for array in (self.position, self.tangent))
+        return CurvePoints(position, tangent, self.outside, np.broadcast_to(self.curvature, position.shape[:-1]))
 
 
 FOOT_STEPS = 12
@@ -126,9 +132,16 @@ class ClosedPitchCurve:
 
     def at_length(self, sigma_mm: Array) -> CurvePoints:
         """The curve at arc lengths in mm, of any shape, beyond one turn too; the closed form to rounding."""
-        # The same as ``np.mod``, which would take a quarter of the whole time.
-        columns = self._cells(sigma_mm - self.length_mm * np.floor(sigma_mm / self.length_mm))
-        return CurvePoints(columns[..., 0:2], columns[..., 2:4], columns[..., 4:6], columns[..., 6])
+        columns = self._cells(self._in_first_turn(sigma_mm))
+        return CurvePoints(columns[..., 0:2], columns[..., 2:4], outside(self.gear), columns[..., 4])
+
+    def curvature_at(self, sigma_mm: Array) -> Array:
+        """Its curvature alone, in 1/mm."""
+        return self._curvature_cells(self._in_first_turn(sigma_mm))[..., 0]
+
+    def _in_first_turn(self, sigma_mm: Array) -> Array:
+        """The same as ``np.mod``, which would take a quarter of the whole time."""
+        return np.asarray(sigma_mm - self.length_mm * np.floor(sigma_mm / self.length_mm))
 
     def feet(self, points: ComplexArray, start_mm: Array, within_mm: float) -> tuple[Array, Array]:
         """Arc lengths that points stand over, to ``within_mm``, and their heights, (n,); NaN where none is found."""
@@ -174,20 +187,21 @@ class ClosedPitchCurve:
     @cached_property
     def _cell_bounds(self) -> tuple[Array, Array]:
         """Lower and upper bounds of the curvature in 1/mm on each cell, shape (n,) each."""
-        powers = self._cells.powers[..., 6]
+        powers = self._cells.powers[..., 4]
         spread = np.abs(powers[:, 1:]).sum(axis=1)
         return powers[:, 0] - spread, powers[:, 0] + spread
 
     @cached_property
     def _cells(self) -> Cells:
-        """All columns of ``CurvePoints`` by the arc length in mm over one turn of this gear."""
+        """The arrays of ``CurvePoints`` by the arc length in mm over one turn of this gear, as five columns."""
         form, size = self._by_length, self.unit_mm
         position, tangent, curvature = np.split(form.coefficients, [2, 4], axis=-1)
         columns = [position * size, tangent, curvature / size]
-        cells = cells_of(PiecewiseChebyshev(form.breaks * size, np.concatenate(columns, axis=-1)))
-        position, tangent, curvature = np.split(cells.powers, [2, 4], axis=-1)
-        columns = [position, tangent, _normal(self.gear, tangent), curvature]
-        return Cells(cells.ends, np.concatenate(columns, axis=-1))
+        return cells_of(PiecewiseChebyshev(form.breaks * size, np.concatenate(columns, axis=-1)))
+
+    @cached_property
+    def _curvature_cells(self) -> Cells:
+        return self._cells.column(4)
 
     @cached_property
     def _by_length(self) -> PiecewiseChebyshev:
@@ -281,19 +295,13 @@ def _points(
     around = facing * np.stack([-np.sin(own), -turning * np.cos(own)], axis=-1)
     tangent = radius_slope[:, None] * radial + radius[:, None] * around
     tangent /= np.hypot(tangent[:, 0], tangent[:, 1])[:, None]
-    normal = _normal(gear, tangent)
-    return CurvePoints(
-        (radius[:, None] * radial).reshape(*form, 2),
-        tangent.reshape(*form, 2),
-        normal.reshape(*form, 2),
-        curvature.reshape(form),
-    )
+    position = radius[:, None] * radial
+    return CurvePoints(position.reshape(*form, 2), tangent.reshape(*form, 2), outside(gear), curvature.reshape(form))
 
 
-def _normal(gear: Gear, tangent: Array) -> Array:
-    """Unit normals away from the gear's material, which lies to the right of the driving gear's tangent."""
-    side = 1.0 if gear is Gear.DRIVING else -1.0
-    return side * np.stack([-tangent[..., 1], tangent[..., 0]], axis=-1)
+def outside(gear: Gear) -> float:
+    """The side of ``CurvePoints``: the driving gear's material lies to the right of the tangent."""
+    return 1.0 if gear is Gear.DRIVING else -1.0
 
 
 STEPS = 40

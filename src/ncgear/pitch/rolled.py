@@ -14,7 +14,7 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.plane import across, as_points
 from ncgear.pitch.arc_length import ArcMaps, arc_maps, too_sharp
-from ncgear.pitch.curve import ClosedPitchCurve, CurvePoints
+from ncgear.pitch.curve import ClosedPitchCurve, CurvePoints, outside
 from ncgear.pitch.shape import Gear, Mesh
 
 Path = Callable[[Array], tuple[ComplexArray, ComplexArray, ComplexArray]]
@@ -60,11 +60,10 @@ class RolledCurve(ClosedPitchCurve):
     def at_angle(self, phi1: Array) -> CurvePoints:
         """The curve at driving angles in rad, of any shape."""
         point, slope, bend = (one.reshape(np.shape(phi1)) for one in self.path(np.ravel(phi1)))
-        # The normal is on the left of the tangent of the driving gear, on the right of the driven gear's.
-        side = 1.0 if self.gear is Gear.DRIVING else -1.0
         tangent = slope / np.abs(slope)
+        side = outside(self.gear)
         curvature = -side * across(slope, bend) / np.abs(slope) ** 3
-        return CurvePoints(as_points(point), as_points(tangent), as_points(side * 1j * tangent), curvature)
+        return CurvePoints(as_points(point), as_points(tangent), side, curvature)
 
     def mate_curvature(self, sigma_mm: float) -> float:
         """Curvature in 1/mm of the mate beside the curve, positive where the mate is convex."""

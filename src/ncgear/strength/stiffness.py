@@ -77,16 +77,20 @@ def nearest_on_flanks(gear: ToothedGear, places: FlankPlaces) -> NearestOnFlanks
     return NearestOnFlanks(height, point, slope)
 
 
-def on_flanks(gear: ToothedGear, places: FlankPlaces) -> tuple[FlankPlaces, Array]:
+def on_flanks(gear: ToothedGear, places: FlankPlaces, height_mm: Array) -> tuple[FlankPlaces, Array]:
     """The places on flanks nearest to given places, with the flanks' own normals, and the flanks' curvatures there.
 
-    An edge is at the end of its flank, and a place on a fillet at the flank's other end.  Shape (n,) each.
+    Places with a height are on their flank already; others have NaN.  An edge is at the end of its flank, and a place
+    on a fillet at the flank's other end.  Shape (n,) each.
     """
-    flanks, nearest = gear.flanks, nearest_on_flanks(gear, places)
+    edges = np.flatnonzero(np.isnan(height_mm))
+    flanks, nearest, number = gear.flanks, nearest_on_flanks(gear, places.kept(edges)), places.flank[edges]
     crossing = as_complex(flanks.crossings.position)
     normal = 1j * nearest.slope / np.abs(nearest.slope)
-    inwards = normal * np.sign(along(normal, crossing[places.flank ^ 1] - crossing[places.flank]))
-    return FlankPlaces(places.flank, nearest.point, inwards), flanks.curvature(places.flank, nearest.height_mm)
+    point, inwards, height = places.point.copy(), places.inwards.copy(), height_mm.copy()
+    point[edges], height[edges] = nearest.point, nearest.height_mm
+    inwards[edges] = normal * np.sign(along(normal, crossing[number ^ 1] - crossing[number]))
+    return FlankPlaces(places.flank, point, inwards), flanks.curvature(places.flank, height)
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +137,8 @@ def _placed(teeth: ToothedPair, places: PairPlaces) -> list[tuple[FlankPlaces, F
         some = places.kept(rows)
         driving = FlankPlaces(some.driving_flank, some.driving_point, some.driving_inwards)
         driven = FlankPlaces(some.driven_flank, some.driven_point, some.driven_inwards)
-        (driving, first), (driven, second) = on_flanks(teeth.driving, driving), on_flanks(teeth.driven, driven)
+        driving, first = on_flanks(teeth.driving, driving, some.driving_mm)
+        driven, second = on_flanks(teeth.driven, driven, some.driven_mm)
         found.append((driving, driven, first + second))
     return found
 

@@ -184,10 +184,23 @@ class Flanks:
             return on_circles(self.crossings.kept(flank), sigma_mm - self.crossing_mm[flank])
         return self.curve.at_length(sigma_mm)
 
-    def standing(self, flank: IndexArray, sigma_mm: Array) -> CurvePoints:
-        """Points of the rolling curve, as they stand."""
-        at = self.at_rolled(flank, sigma_mm)
-        return at.turned(self.turn_rad[flank]) if self.is_turned else at
+    def rolling_curvature(self, flank: IndexArray, height_mm: Array) -> Array:
+        """Curvatures of the rolling curves in 1/mm where flanks touch at the given heights; shapes broadcast."""
+        rolled = self.rolled_mm(flank, height_mm)
+        if self.equivalent:
+            return np.broadcast_to(self.crossings.curvature[flank], rolled.shape)
+        return self.curve.curvature_at(rolled)
+
+    @cached_property
+    def _turn(self) -> ComplexArray:
+        return np.exp(1j * self.turn_rad)
+
+    def _standing(self, flank: IndexArray, point: ComplexArray, slope: ComplexArray) -> tuple[Array, Array]:
+        """Unturned points and derivatives, turned as the given flanks; shapes broadcast."""
+        if self.is_turned:
+            turn = self._turn[flank]
+            point, slope = point * turn, slope * turn
+        return as_points(point), as_points(slope)
 
     def rolled_mm(self, flank: IndexArray, height_mm: Array) -> Array:
         """Arc length of the pitch point when the flank touches at the given heights; shapes broadcast."""
@@ -196,17 +209,17 @@ class Flanks:
     def flank(self, flank: IndexArray, height_mm: Array) -> tuple[Array, Array]:
         """Points of flanks at heights over the rack's pitch line, and their derivatives by the height."""
         slant, side = self.slant.of(flank), self.side[flank]
-        at = self.standing(flank, self.rolled_mm(flank, height_mm))
+        at = self.at_rolled(flank, self.rolled_mm(flank, height_mm))
         tangent, normal = as_complex(at.tangent), as_complex(at.normal)
         slope = (slant.sine + height_mm * at.curvature / slant.sine) / slant.height_per_rolled
         inwards = slant.cosine * normal - side * slant.sine * tangent
         point = as_complex(at.position) + height_mm * (side / slant.tangent * tangent + normal)
         if self.rack.relief is None:
-            return as_points(point), as_points(slope * inwards)
+            return self._standing(flank, point, slope * inwards)
         outwards = side * slant.cosine * tangent + slant.sine * normal
         taken, taken_slope = self._relieved(height_mm)
         slope = slope - taken * at.curvature / slant.height_per_rolled
-        return as_points(point - taken * outwards), as_points(slope * inwards - taken_slope * outwards)
+        return self._standing(flank, point - taken * outwards, slope * inwards - taken_slope * outwards)
 
     def _relieved(self, height_mm: Array) -> tuple[Array, Array]:
         """Depth of the tip relief along the normal at given heights, and its derivative by the height."""
@@ -223,7 +236,7 @@ class Flanks:
         tip relief, the change of k also changes its slope, which is left out.
         """
         slant = self.slant.of(flank)
-        turning = self.at_rolled(flank, self.rolled_mm(flank, height_mm)).curvature
+        turning = self.rolling_curvature(flank, height_mm)
         slope = (slant.sine + height_mm * turning / slant.sine) / slant.height_per_rolled
         turning = turning / slant.height_per_rolled
         relief = self.rack.relief
@@ -239,8 +252,7 @@ class Flanks:
 
     def regularity(self, flank: IndexArray, height_mm: Array) -> Array:
         """sin^2(alpha) + h k: positive on a flank that exists, zero at a cusp."""
-        curvature = self.at_rolled(flank, self.rolled_mm(flank, height_mm)).curvature
-        return self.slant.of(flank).sine ** 2 + height_mm * curvature
+        return self.slant.of(flank).sine ** 2 + height_mm * self.rolling_curvature(flank, height_mm)
 
     def surely_regular(self, flank: IndexArray, height_mm: Array) -> Mask:
         """Which flanks bounds of the curvature prove regular from the pitch line to given heights, shape (n,)."""
@@ -267,16 +279,14 @@ class Flanks:
         tangent, normal = as_complex(at.tangent), as_complex(at.normal)
         speed = _fillet_regularity(at.curvature + tool.curvature, v, distance, radius) / distance
         point = as_complex(at.position) + (1.0 + radius / distance) * (u * tangent + v * normal)
-        fillet = as_points(point), as_points(speed * (v * tangent - u * normal))
-        if not self.is_turned:
-            return fillet
+        slope = speed * (v * tangent - u * normal)
         if self.sweep is None:
-            return _turned(fillet, self.turn_rad[flank], 0.0)
+            return self._standing(flank, point, slope)
         # A back flank is in the space after the tooth before; the first space begins before the seam.
         tooth, teeth = (flank - 1) // 2, self.count // 2
         end, pace = self.sweep.end_mm[flank], self.sweep.pace[flank]
         place = end - pace * (sigma_mm - end) - self.curve.length_mm * (tooth // teeth)
-        return self.bottom(tooth % teeth, place, -pace, fillet)
+        return self.bottom(tooth % teeth, place, -pace, (as_points(point), as_points(slope)))
 
     def curve_of(self, kind: IndexArray, flank: IndexArray, parameter: Array) -> tuple[Array, Array]:
         """Points and derivatives of n mixed curves (kinds FLANK, FILLET) at parameters of shape (n, ...)."""
@@ -343,7 +353,7 @@ def on_circles(touched: CurvePoints, rolled_mm: Array) -> CurvePoints:
     return CurvePoints(
         as_points(as_complex(touched.position) + ahead * tangent - aside * normal),
         as_points(cosine * tangent - sine * normal),
-        as_points(sine * tangent + cosine * normal),
+        touched.outside,
         curvature,
     )
 

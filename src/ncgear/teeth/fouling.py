@@ -113,7 +113,7 @@ def _reach_mm(own: Flanks, mate: Flanks) -> float:
     """Rolled length after which tips that met on a concave stretch are clear, half a turn of either gear at most."""
     pitch, most = own.rack.pitch_mm, min(own.curve.length_mm, mate.curve.length_mm) / 2.0
     sigma = np.arange(0.0, max(own.curve.length_mm, mate.curve.length_mm), pitch / PLACES)
-    concave = [flanks.curve.at_length(sigma).curvature < 0.0 for flanks in (own, mate)]
+    concave = [flanks.curve.curvature_at(sigma) < 0.0 for flanks in (own, mate)]
     met = sigma[np.any(concave, axis=0)]
     far = CLEAR * (float(np.max(own.tip_height_mm)) + float(np.max(mate.tip_height_mm)))
     rolled = pitch

@@ -109,7 +109,7 @@ def refuse_sharp_curve(curve: ClosedPitchCurve, module_mm: float, key: str) -> N
     if max(map(abs, curve.curvature_bounds)) * least <= 1.0:
         return
     panels = curve.panels_mm
-    sharpest = largest_of_each(lambda sigma: np.abs(curve.at_length(sigma).curvature)[None], panels)[0]
+    sharpest = largest_of_each(lambda sigma: np.abs(curve.curvature_at(sigma))[None], panels)[0]
     if sharpest.value * least > 1.0:
         at = Extremum(sharpest.value, float(curve.driving_angle(np.array(sharpest.at))))
         raise _too_sharp("a", at, least, "rounder curves are", key)
@@ -159,7 +159,7 @@ def _refuse_folded_tips(flanks: Flanks, sides: Sides) -> None:
     height = np.maximum(flanks.tip_height_mm[back], flanks.tip_height_mm[front])
     if np.all(-height * flanks.curve.curvature_bounds[0] < 1.0):
         return
-    folding = -height[:, None] * flanks.curve.at_length(sigma).curvature
+    folding = -height[:, None] * flanks.curve.curvature_at(sigma)
     tooth, place = _worst(folding)
     if folding[tooth, place] < 1.0:
         return

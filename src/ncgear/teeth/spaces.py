@@ -238,7 +238,7 @@ class Roots:
     def folding(self, tooth: IndexArray, sigma_mm: Array) -> tuple[Array, Array]:
         """Depth of the lands along the edges' normals, and the depth (or infinity) at which they would fold."""
         tool = self.flanks.tool.at_length(sigma_mm)
-        turning = self.flanks.curve.at_length(sigma_mm).curvature + tool.curvature
+        turning = self.flanks.curve.curvature_at(sigma_mm) + tool.curvature
         distance, _, square = self._edge(tooth, tool)
         limit = np.full(turning.shape, np.inf)
         np.divide(-square, turning, out=limit, where=turning > 0.0)

@@ -249,7 +249,7 @@ def _crossing_on_circle(flanks: Flanks, which: IndexArray) -> tuple[Array, Array
     flank reaches the same height again beyond its cusp: the lower crossing is the right one.
     """
     slant, tip = flanks.slant.of(which), flanks.tip_height_mm[which]
-    curvature = flanks.curve.at_length(flanks.rolled_mm(which, HALFWAY * tip)).curvature
+    curvature = flanks.curve.curvature_at(flanks.rolled_mm(which, HALFWAY * tip))
     twice = tip * (2.0 + curvature * tip)
     height = twice / (1.0 + np.sqrt(np.maximum(1.0 + twice * curvature / slant.sine**2, 0.0)))
     along = height / slant.tangent / np.maximum(1.0 + height * curvature, LEAST_SHARE)

@@ -37,9 +37,9 @@ class RackLine:
 
     def at_length(self, sigma_mm: Array) -> CurvePoints:
         """The x axis; the rack's material lies above it."""
-        position, tangent, normal = np.zeros((3, *np.shape(sigma_mm), 2))
-        position[..., 0], tangent[..., 0], normal[..., 1] = sigma_mm, 1.0, -1.0
-        return CurvePoints(position, tangent, normal, np.zeros(np.shape(sigma_mm)))
+        position, tangent = np.zeros((2, *np.shape(sigma_mm), 2))
+        position[..., 0], tangent[..., 0] = sigma_mm, 1.0
+        return CurvePoints(position, tangent, -1.0, np.zeros(np.shape(sigma_mm)))
 
     def flank_depth_mm(self, slant: Slant, depth_mm: Array, radius_mm: Array) -> Array:
         """How deep the straight flank goes on a tool tooth of a depth and a tip radius."""
@@ -67,9 +67,7 @@ class PinionCircle:
         angle = sigma_mm / self.radius_mm - pi / 2.0
         outward = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
         tangent = np.stack([-np.sin(angle), np.cos(angle)], axis=-1)
-        return CurvePoints(
-            self.radius_mm * outward, tangent, outward, np.full(np.shape(sigma_mm), 1.0 / self.radius_mm)
-        )
+        return CurvePoints(self.radius_mm * outward, tangent, -1.0, np.full(np.shape(sigma_mm), 1.0 / self.radius_mm))
 
     def flank_depth_mm(self, slant: Slant, depth_mm: Array, radius_mm: Array) -> Array:
         """How deep the involute goes on a tool tooth of a depth and a tip radius.

@@ -27,8 +27,8 @@ class Contacts(Columns):
 
     ``side`` is the side of the teeth, PUSHING or BACK; ``driving`` and ``driven`` number the flanks that meet in
     ``position``.  ``error_rad`` is the driven angle of the contact minus the law's angle; ``point`` and ``tangent`` (of
-    any length) are in the frame of the driven gear at that angle.  ``flanks`` is true where two flanks touch, and false
-    at an edge.
+    any length) are in the frame of the driven gear at that angle.  ``driving_mm`` and ``driven_mm`` are the heights on
+    both flanks, NaN where an edge touches.
     """
 
     side: IndexArray
@@ -38,7 +38,13 @@ class Contacts(Columns):
     error_rad: Array
     point: ComplexArray
     tangent: ComplexArray
-    flanks: Mask
+    driving_mm: Array
+    driven_mm: Array
+
+    @cached_property
+    def flanks(self) -> Mask:
+        """Whether two flanks touch."""
+        return ~np.isnan(self.driving_mm)
 
     @property
     def driving_tooth(self) -> IndexArray:

@@ -229,7 +229,7 @@ def _touching(hits: EdgeHits) -> Contacts:
         point[astray], slope[astray] = gear.curve(hits.run[astray], parameter[astray], hits.position[astray])
     turn = angle_between(hits.corner, point)
     turned = np.exp(-1j * turn) if gear.moving else np.ones(1)
-    columns = _ahead(gear, turn), point * turned, slope * turned, np.zeros(turn.size, dtype=bool)
+    columns = _ahead(gear, turn), point * turned, slope * turned, *np.full((2, turn.size), np.nan)
     return Contacts(hits.side, hits.driving, hits.driven, hits.position, *columns)
 
 

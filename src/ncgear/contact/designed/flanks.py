@@ -242,7 +242,8 @@ def flank_contacts(teeth: ToothedPair, placement: Placement, met: Meetings) -> F
     room = _room(driving.room(facing.driving, touches.driving_mm), driven.room(facing.driven, touches.driven_mm))
     least = END_IN_MODULES * facing.module_mm
     touching = touches.found & (room >= -least).all(axis=0).any(axis=0)
-    columns = placement.ahead * touches.turn_rad, touches.point, touches.tangent, touches.found
+    heights = np.where(touches.found, [touches.driving_mm, touches.driven_mm], np.nan)
+    columns = placement.ahead * touches.turn_rad, touches.point, touches.tangent, *heights
     near = Contacts(met.side[row], facing.driving, facing.driven, facing.position, *columns)
     found = np.where(touches.found, room, -1.0)
     return FlankContacts(near.kept(touching), near, found, (row, column), met, placement)

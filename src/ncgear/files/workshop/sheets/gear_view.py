@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import chain
 from math import cos, radians, sin
 
 import numpy as np
@@ -28,7 +29,7 @@ from ncgear.files.workshop.sheets.body import (
 )
 from ncgear.files.workshop.sheets.frame import Box
 from ncgear.files.workshop.sheets.sheet import Anchor, Dimension, Item, Measured, Pen, Ring, SheetLine, Text
-from ncgear.numerics.arrays import Array, Mask
+from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.pitch.shape import Gear, meeting_direction_rad
 from ncgear.project.drive import Drive
 from ncgear.project.workshop_measures import GearMeasures
@@ -143,12 +144,16 @@ def number_teeth(board: Board, gear: ToothedGear, view: PaperView, name: str, *,
     depth = view.scale * gear.flanks.rack.dedendum_mm + paper.LETTER_MM / 2.0
     shifts = np.array([shift for shift in ASIDE_MM if abs(shift) < ASIDE_SHARE * apart])
     tries = np.concatenate([-(depth + np.arange(0.6, 6.0, 0.4)), depth + np.arange(0.0, 6.0, 0.4)])
-    for row in [row for row in range(teeth) if not crowded or row == 0 or row % 5 == 4]:
-        aside = np.array([-outwards[row, 1], outwards[row, 0]])
-        places = (middles[row] + tries[:, None] * outwards[row] + shifts[:, None, None] * aside).reshape(-1, 2)
-        parts = (places[start : start + TOGETHER] for start in range(0, len(places), TOGETHER))
+    rows = np.array([row for row in range(teeth) if not crowded or row == 0 or row % 5 == 4])
+    aside = outwards[rows, ::-1] * [-1.0, 1.0]
+    middle, out, aside = (values[:, None, None] for values in (middles[rows], outwards[rows], aside))
+    places = (middle + tries[:, None] * out + shifts[:, None, None] * aside).reshape(rows.size, -1, 2)
+    near = _is_nearest(trees, rows, places[:, :TOGETHER])
+    for row, first, every in zip(rows.tolist(), near, places, strict=True):
+        parts = (every[start : start + TOGETHER] for start in range(TOGETHER, len(every), TOGETHER))
         own = (part[_is_nearest(trees, row, part)] for part in parts)
-        board.put_text_at(centered(str(row + 1), np.zeros(2), paper.LETTER_MM, f"{name}-{row + 1}"), own)
+        text = centered(str(row + 1), np.zeros(2), paper.LETTER_MM, f"{name}-{row + 1}")
+        board.put_text_at(text, chain([every[:TOGETHER][first]], own))
 
 
 UP_AND_DOWN_MM = np.array([[0.0, -0.4], [0.0, 0.0], [0.0, 0.4]])
@@ -158,10 +163,13 @@ TOGETHER = 24
 """Places that are tested together: between crowded teeth one of the first places has room, or no place has."""
 
 
-def _is_nearest(trees: Sequence[KDTree], row: int, places: Array) -> Mask:
-    """Whether a tooth is the nearest to places on paper (n, 2), by trees of all teeth's points at several heights."""
-    nearest = np.stack([tree.query(places[:, None] + UP_AND_DOWN_MM)[1] for tree in trees])
-    return np.asarray((nearest == row).all(axis=(0, 2)))
+def _is_nearest(trees: Sequence[KDTree], row: IndexArray | int, places: Array) -> Mask:
+    """Whether teeth are the nearest to places on paper, by trees of all teeth's points at several heights.
+
+    Places have shape (n, 2) for one tooth, or (teeth, n, 2).
+    """
+    nearest = np.stack([tree.query(places[..., None, :] + UP_AND_DOWN_MM)[1] for tree in trees])
+    return np.asarray((nearest == np.reshape(row, (-1, 1, 1))).all(axis=(0, -1)))
 
 
 MOST_PAIRS = 40
