@@ -276,7 +276,6 @@ def test_refusals_of_a_chain_name_the_keys_of_its_file(key: str, name: str, line
         ("gears:\n  driving: {bore_mm: 10}", "gears.driven"),
         ("gears:\n  backlash_deg: 0.1", "gears.backlash_deg"),
         ("gears:\n  rack: {idle_pressure_angle_deg: 25}", "gears.rack.idle_pressure_angle_deg"),
-        ("masses: {shaft_kg_mm2: 1}\ngears:", "masses"),
         ("strength: {overload: {driving_torque_n_m: 20, times: 5}}\ngears:", "strength.overload"),
     ],
 )

@@ -239,8 +239,6 @@ def simulate(
 ) -> None:
     """Find the torques and forces in a design's machine, beside the uniform crank with the same masses."""
     with opened(design_file) as loaded:
-        if loaded.is_train:
-            raise WrongInput("has no masses, whose forces are simulated; ncgear strength rates its teeth", key="train")
         folder = prepared(out, f"{loaded.design.name}-{level}")
 
         from ncgear.figures.answers.simulated import simulated_answer

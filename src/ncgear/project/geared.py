@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ncgear.design.keys.base import listed
-from ncgear.design.keys.design import MOST_PAIRS_WITH_MASSES
 from ncgear.design.keys.gears import Gears
 from ncgear.design.keys.machine import FINEST_IN_MODULES
 from ncgear.design.mechanisms import entry_of
@@ -36,11 +35,13 @@ from ncgear.project.tooth_form import (
     thickness_limits_mm,
     tooth_form_of,
 )
+from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.teeth.form import BasicRack
 
 if TYPE_CHECKING:
     from ncgear.dynamics.driving_shaft import DrivingShaft
     from ncgear.dynamics.loaded_machine import RigidMachine
+    from ncgear.dynamics.mesh_force import MeshPlace
     from ncgear.dynamics.rigid import Rigid
     from ncgear.pitch.pair import PitchPair
     from ncgear.pitch.pumped import Pumped
@@ -404,7 +405,8 @@ class Geared(Moving):
         if given is None:
             return TrainInertia()
         bodies = None if self.design.gears is None else lambda place: whole.by_stage[place].gear_inertia
-        return train_inertia(given, self.design.stages, bodies)
+        shares = self.design.gears is not None and self.design.gears.idlers is not None
+        return train_inertia(given, self.design.stages, bodies, shares_gears=shares)
 
     @computed
     def masses(self) -> Masses:
@@ -437,13 +439,14 @@ class Geared(Moving):
         """A machine of this design with everything that the file gives, except the force between the teeth."""
         from ncgear.dynamics.loaded_machine import RigidMachine
 
-        around, pairs = self.design.drivetrain, self.law.train.pairs
+        around, before = self.design.drivetrain, [pair.transmission for pair in self.law.train.pairs[:-1]]
+        if machine.transmission is not self.transmission:
+            before = [uniform_law(law.lobes) for law in before]
         return RigidMachine(
             machine,
             self.masses,
             guide_friction=around.guide_friction if around else 0.0,
-            # The uniform crank's shaft between turns evenly, and needs no torque
-            between=pairs[0].transmission if len(pairs) > 1 and machine.transmission is self.transmission else None,
+            laws_before=tuple(before),
         )
 
     @computed
@@ -547,14 +550,29 @@ class Geared(Moving):
     def _rigid(self, driving: Callable[[], DrivingShaft]) -> Rigid:
         from ncgear.dynamics.rigid import rigid_level
 
-        self.require_pairs(MOST_PAIRS_WITH_MASSES)
-        places = []
-        if self.design.gears is not None:
-            places = [mesh_place(self.gears, pair.pitch.center_distance_mm) for pair in self.by_stage]
-        first = replace(places[0], driven_sense=float(-places[-1].mesh.sense)) if places[1:] else None
+        places = [] if self.design.gears is None else self.mesh_places
         shaft = driving()
         with self.stopwatch("forces"):
-            return rigid_level(shaft, places[-1] if places else None, first)
+            return rigid_level(shaft, places)
+
+    @property
+    def mesh_places(self) -> list[MeshPlace]:
+        """The places of all pairs of gears, from the driving shaft on, in the frame of the mechanism.
+
+        Axes of pairs in series lie on one line, and the crank turns clockwise.  A row stands as it is drawn: its
+        driving gear turns counter-clockwise, and its lines of centres turn at the idlers.
+        """
+        places = [mesh_place(self.gears, pair.pitch.center_distance_mm) for pair in self.by_stage]
+        if self.gears.idlers is not None:
+            turns = self.gears.idlers.directions_rad
+            return [
+                replace(one, driving_axis_rad=one.driving_axis_rad + turn, driven_sense=2.0 * (number % 2) - 1.0)
+                for number, (one, turn) in enumerate(zip(places, turns, strict=True))
+            ]
+        for number in range(len(places) - 1, 0, -1):
+            sense = places[number].driven_sense * places[number].mesh.sense
+            places[number - 1] = replace(places[number - 1], driven_sense=float(sense))
+        return places
 
     @computed
     def running(self) -> Running:

@@ -9,6 +9,7 @@ from pydantic import Field
 
 from ncgear.design.keys.base import FORMULA, Expression, Faults, Length, Several, fault, optional, required
 from ncgear.design.keys.gears import MOST_IDLERS, Bend, Lobe
+from ncgear.design.keys.masses import DrivenShaftMasses
 from ncgear.design.trains.base import RatedGears, RatedTrain
 from ncgear.errors import WrongInput, below, renamed
 
@@ -60,6 +61,10 @@ class Chain(RatedTrain):
         "place of a ratio; a circle about its axis makes all gears round"
     )
     gears: ChainGears = required("the teeth and the bodies of all gears")
+    masses: DrivenShaftMasses | None = optional(
+        "moments of inertia of what turns with the gears: forces and power count them, ncgear simulate needs them; "
+        "left out: none"
+    )
 
     def _both_flanks_of_idlers_push(self) -> Faults:
         pushing, idle = self.gears.rack.angles_deg
@@ -84,7 +89,11 @@ class Chain(RatedTrain):
             "motion": self._motion,
             "gears": gears,
             "output": {"chord_tolerance_mm": self.gears.chord_mm(self.gears.module_mm)},
-            **{key: given[key] for key in ("resistance", "strength", "tolerances") if given.get(key) is not None},
+            **{
+                key: given[key]
+                for key in ("resistance", "masses", "strength", "tolerances")
+                if given.get(key) is not None
+            },
         }
 
     @property
