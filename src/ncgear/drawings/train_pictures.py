@@ -42,17 +42,7 @@ def train_picture(train: Train, outlines_mm: Mapping[str, Array], driving_rad: f
 
 def color_of(train: Train, part: Part) -> str:
     """The colour of a part: gears that mesh have different colours, bars and fixed parts are grey."""
-    if not part.teeth:
-        return canvas.REFERENCE
-    colors: dict[str, int] = {}
-    for one in train.parts:
-        taken = {
-            colors.get(m.second if m.first == one.name else m.first, -1)
-            for m in train.meshes
-            if one.name in (m.first, m.second)
-        }
-        colors[one.name] = next(number for number in range(len(taken) + 1) if number not in taken)
-    return COLORS[colors[part.name] % len(COLORS)]
+    return COLORS[train.tint(part) % len(COLORS)] if part.teeth else canvas.REFERENCE
 
 
 def _draw(axes: Axes, part: Part, outline_mm: Array, poses: Poses, number: int, color: str) -> None:

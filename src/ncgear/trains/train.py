@@ -177,6 +177,18 @@ class Train:
             part = self.part(part.fixed_to)
         return part.fixed_to or part.name
 
+    def tint(self, part: Part) -> int:
+        """A small number of a part that differs from those of all parts with which it meshes."""
+        tints: dict[str, int] = {}
+        for one in self.parts:
+            taken = {
+                tints.get(m.second if m.first == one.name else m.first, -1)
+                for m in self.meshes
+                if one.name in (m.first, m.second)
+            }
+            tints[one.name] = next(number for number in range(len(taken) + 1) if number not in taken)
+        return tints[part.name]
+
     def trace_mm(self, trace: Trace, driving_rad: Array) -> Array:
         """Places of a followed point at driving angles in rad, shape (n,), as points of shape (n, 2)."""
         axis, turn = self.poses_at(driving_rad).places(self.number(trace.part))

@@ -60,6 +60,11 @@ class LoadedDesign:
     text: str
 
     @property
+    def name(self) -> str:
+        """The name of the design."""
+        return self.design.name
+
+    @property
     def is_train(self) -> bool:
         """Whether the file describes a train, read as the machine that it is."""
         return bool(self.source.document.written_as)
@@ -108,6 +113,18 @@ def parsed(text: str, path: Path) -> LoadedDesign:
     return design_of(read_yaml(text, str(path)), text, path)
 
 
+def parsed_as_it_is(text: str, path: Path) -> LoadedDesign | LoadedTrain:
+    """As ``parsed``; the file of a train is read as a train."""
+    return as_it_is(read_yaml(text, str(path)), text, path)
+
+
+def as_it_is(document: Document, text: str, path: Path) -> LoadedDesign | LoadedTrain:
+    """The design or the train of a file's values; raises the errors of reading the text."""
+    if isinstance(document.data, dict) and "train" in document.data:
+        return _train_of(document)
+    return design_of(document, text, path)
+
+
 def design_of(document: Document, text: str, path: Path) -> LoadedDesign:
     """A design from the values of its text; raises the errors of reading the text."""
     if not isinstance(document.data, dict):
@@ -121,8 +138,9 @@ def refuse_train(document: Document, needed: str) -> None:
     """Refuse the file of a train of gears if another file is needed; raises WrongInput with the commands that work."""
     if "train" in document.data:
         problem = (
-            "the file has a train of gears, which `ncgear check`, `build` and `animate` take, of planetary trains also "
-            f"`strength` and `tolerance`, and of chains `report`, `compare` and `sweep`, too; this needs {needed}"
+            "the file has a train of gears, which `ncgear check`, `build`, `animate` and `studio` take, of planetary "
+            "trains also `strength` and `tolerance`, and of chains `report`, `simulate`, `compare` and `sweep`, too; "
+            f"this needs {needed}"
         )
         raise WrongInput(problem, key="train", location=str(document.place("train")))
 
@@ -179,6 +197,16 @@ class LoadedTrain:
 
     file: TrainFile
     source: Source
+
+    @property
+    def name(self) -> str:
+        """The name of the train."""
+        return self.file.name
+
+    @property
+    def places(self) -> Source:
+        """The places of the values."""
+        return self.source
 
 
 def load_train(path: Path) -> LoadedTrain:
