@@ -405,7 +405,7 @@ def test_every_design_opens_is_changed_refuses_and_is_mended(name: str) -> None:
     refused_as_shipped = name == "baler-a1-at-law-speed"
 
     def told(changes: Mapping[str, Any], chain: str) -> tuple[str, Any]:
-        drive_of = partial(followed.drive, text, changes, DESIGNS / f"{name}.yaml")
+        drive_of = partial(followed.made, text, changes, DESIGNS / f"{name}.yaml")
         found = guarded(answers_of(chain), drive_of)
         return next((kind, content) for kind, content in found if kind in ("refused", PICTURES[chain]))
 

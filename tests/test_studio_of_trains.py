@@ -119,6 +119,12 @@ def test_a_train_is_seen_changed_refused_and_saved(browser: Any, tmp_path: Path)
         assert opened.fact("gears") == "36, 36, 36, 36 teeth, module 2 mm"
         assert page.locator("svg.scene g.body").count() == 4
         assert page.locator("input[name=view]:visible").count() <= 1
+        assert [page.locator(f"[data-run={one}]").first.is_visible() for one in ("build", "report")] == [True, True]
+        assert (
+            not page.locator("#best, [data-run=design], [data-run=frontier], #curves > .hint")
+            .locator("visible=true")
+            .count()
+        )
         page.evaluate("ncgear.show(1.234)")
         poses = load_train(path).file.train.train().poses_at(np.array([1.234]))
         for number in range(4):

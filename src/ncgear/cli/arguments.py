@@ -194,6 +194,16 @@ def print_times(drive: Drive) -> None:
     typer.echo(timing_text(drive), err=True)
 
 
+def tell_report(path: Path, page: bytes, figures: Sequence[Mapping[str, Any]], kept: Sequence[Path]) -> None:
+    """Tell where a report is; or print the ``figures`` as JSON if there are any."""
+    if figures:
+        print_figures(*figures, kept=kept)
+        return
+    from ncgear.figures.terminal import kept_lines
+
+    typer.echo("\n".join([f"{path} ({len(page) / 1e6:.1f} MB): open it in a browser", *kept_lines(kept)]))
+
+
 def print_figures(*of_pairs: Mapping[str, Any], kept: Sequence[Path] = ()) -> None:
     """Print figures as one JSON document to stdout, and the files of other programs that were ``kept`` to stderr.
 

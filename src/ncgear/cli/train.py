@@ -1,4 +1,4 @@
-"""The commands check, build and animate for design files of trains of gears."""
+"""The commands check, build, report and animate for design files of trains of gears."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ncgear.cli.arguments import EXPORT, pasted, prepared, tell
+from ncgear.cli.arguments import EXPORT, pasted, prepared, tell, tell_report
 from ncgear.cli.progress import counted, steps_shown
 from ncgear.design.reading.text import has_train, read_text
 from ncgear.errors import WrongInput, located
@@ -94,3 +94,39 @@ def build_train(design_file: Path, out: Path | None, *, as_json: bool, verbose: 
     run = publish_run(folder, built.files, "build")
     answer = train_answer(file.name, file.description, train, built.conditions, f"open {folder / 'train.png'}")
     tell(answer, built.figures, as_json=as_json, verbose=verbose, run=run)
+
+
+def reports_as_train(design_file: Path) -> bool:
+    """Whether a design file describes a train whose report shows it running: one that is no machine by itself."""
+    from ncgear.design.reading.design_file import load_train
+
+    if not is_train(design_file):
+        return False
+    train = load_train(design_file).file.train
+    return not train.TURNS_ALONE or train.machine() is None
+
+
+def report_train(design_file: Path, out: Path | None, *, as_json: bool) -> None:
+    """Write the page of a train as it runs; its contact is judged on the outlines as a build writes them."""
+    from ncgear.design.reading.design_file import LARGEST_MB, load_train
+
+    keep_freed_memory()
+    loaded = load_train(design_file)
+    file, folder = loaded.file, prepared(out, loaded.file.name)
+
+    from ncgear.drawings.page import REPORT_FILE
+    from ncgear.drawings.page.train_page import train_page
+    from ncgear.figures.trains import train_answer
+    from ncgear.files.manifest import publish_run
+    from ncgear.files.train import judged_as_written, outlines_of
+
+    with located(loaded.source), steps_shown(2) as on_step:
+        on_step("train")
+        train = file.train.train()
+        on_step("contact")
+        figures, conditions = judged_as_written(file.name, file.description, train, outlines_of(train)[1])
+    answer = train_answer(file.name, file.description, train, conditions, "")
+    text = read_text(design_file, limit_mb=LARGEST_MB)
+    page = train_page(train, answer, figures, text, design_file.name)
+    run = publish_run(folder, {REPORT_FILE: page}, "report")
+    tell_report(folder / REPORT_FILE, page, [figures] if as_json else [], run.kept)

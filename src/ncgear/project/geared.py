@@ -28,6 +28,7 @@ from ncgear.project.moving import Moving, computed
 from ncgear.project.moving_masses import GearInertia, TrainInertia, disc_kg_mm2, masses_of, train_inertia
 from ncgear.project.tooth_form import (
     backlash_of,
+    driving_axes_rad,
     helix_of,
     mesh_place,
     reach_in_pitches,
@@ -557,22 +558,16 @@ class Geared(Moving):
 
     @property
     def mesh_places(self) -> list[MeshPlace]:
-        """The places of all pairs of gears, from the driving shaft on, in the frame of the mechanism.
-
-        Axes of pairs in series lie on one line, and the crank turns clockwise.  A row stands as it is drawn: its
-        driving gear turns counter-clockwise, and its lines of centres turn at the idlers.
-        """
-        places = [mesh_place(self.gears, pair.pitch.center_distance_mm) for pair in self.by_stage]
-        if self.gears.idlers is not None:
-            turns = self.gears.idlers.directions_rad
-            return [
-                replace(one, driving_axis_rad=one.driving_axis_rad + turn, driven_sense=2.0 * (number % 2) - 1.0)
-                for number, (one, turn) in enumerate(zip(places, turns, strict=True))
-            ]
-        for number in range(len(places) - 1, 0, -1):
-            sense = places[number].driven_sense * places[number].mesh.sense
-            places[number - 1] = replace(places[number - 1], driven_sense=float(sense))
-        return places
+        """The places of all pairs of gears, from the driving shaft on, in the frame of the mechanism."""
+        sense = -1.0
+        found: list[MeshPlace] = []
+        for pair, axis in zip(
+            reversed(self.by_stage), reversed(driving_axes_rad(self.gears, len(self.by_stage))), strict=True
+        ):
+            place = mesh_place(self.gears, pair.pitch.center_distance_mm)
+            found.insert(0, replace(place, driving_axis_rad=axis, driven_sense=sense))
+            sense *= place.mesh.sense
+        return found
 
     @computed
     def running(self) -> Running:

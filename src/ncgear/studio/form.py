@@ -62,7 +62,7 @@ def _model_of_file(given: Mapping[str, Any]) -> type[BaseModel]:
     if "train" not in given:
         return design_model(given)
     kinds, train = train_models(), given["train"]
-    return kinds.get(train.get("kind") if isinstance(train, dict) else None, next(iter(kinds.values())))
+    return kinds.get(str(train.get("kind")) if isinstance(train, dict) else "", next(iter(kinds.values())))
 
 
 def _rows(model: type[BaseModel], given: Mapping[str, Any], above: str, law: str) -> Iterator[Row]:

@@ -24,19 +24,23 @@ from ncgear.files.one_file import put_in_place
 
 @dataclass(frozen=True)
 class Command:
-    """A command of ncgear as the page offers it; ``out`` is added to the design's name to get its folder."""
+    """A command of ncgear as the page offers it; ``out`` is added to the design's name to get its folder.
+
+    ``takes_trains`` tells whether there are trains of gears that it takes.
+    """
 
     words: str
     arguments: tuple[str, ...]
     out: str = ""
     file: str = ""
+    takes_trains: bool = False
 
 
 COMMANDS: Mapping[str, Command] = {
-    "build": Command("Build all files", ("build",)),
-    "report": Command("Report as one page", ("report",)),
-    "animate": Command("Animation", ("animate",), file="mechanism.gif"),
-    "simulate": Command("Forces of the masses", ("simulate",), out="-rigid"),
+    "build": Command("Build all files", ("build",), takes_trains=True),
+    "report": Command("Report as one page", ("report",), takes_trains=True),
+    "animate": Command("Animation", ("animate",), file="mechanism.gif", takes_trains=True),
+    "simulate": Command("Forces of the masses", ("simulate",), out="-rigid", takes_trains=True),
     "optimize": Command("Best law", ("optimize",), out="-optimized"),
     "design": Command("Find the machine", ("design",), out="-machines"),
     "frontier": Command("Power against acceleration", ("frontier", "--points=8"), out="-frontier"),

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from ncgear.design.reading.design_file import parsed_as_it_is
-from ncgear.design.reading.text import shortened
+from ncgear.design.reading.text import has_train, shortened
 from ncgear.design.rewritten import document_of
 from ncgear.errors import WrongInput
 from ncgear.studio.chains import Chains
@@ -361,6 +361,7 @@ class OpenPage:
             "difference": difference(saved, text, self.file.path.name),
             "undo": len(self.history.past),
             "redo": len(self.history.future),
+            "commands": [name for name, one in COMMANDS.items() if one.takes_trains or not has_train(text)],
             "jobs": [self._plain(job) for job in self.jobs.values()],
         }
 

@@ -7,7 +7,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from ncgear.drawings.page.data import paces
-from ncgear.drawings.page.tables import typeset
+from ncgear.drawings.page.train_page import train_advices, train_facts
 from ncgear.drawings.page.train_scene import train_scene
 from ncgear.figures.trains import NOT_BUILT, train_answer
 from ncgear.studio.messages import Answer
@@ -23,17 +23,7 @@ def train_answers(loaded: LoadedTrain) -> Iterator[Answer]:
     running = {"loop": train.cycle_rad, "swings": False, "paces": [asdict(one) for one in paces(abs(train.speed_rpm))]}
     yield "motion", {**running, "shafts": [], "charts": [], "handles": []}
     told = train_answer(file.name, file.description, train, (*train.told.conditions, *NOT_BUILT), "")
-    rows = [("train", train.told.head), *((row.name, row.texts[0]) for row in told.rows)]
-    yield "figures", {"facts": typeset(rows), "crank": "", "achieved": [], "tables": []}
-    advices = [
-        {
-            "stage": "",
-            "what": fault.what,
-            "meaning": "",
-            "matters": True,
-            "remedies": [{"text": cure, "changes": {}, "words": [], "command": ""} for cure in fault.cures],
-        }
-        for fault in told.faults
-    ]
+    yield "figures", {"facts": train_facts(told), "crank": "", "achieved": [], "tables": []}
+    advices = train_advices(told)
     yield "verdict", {"advices": advices, "good": "" if advices else told.good, "not_judged": told.not_judged}
     yield "best", None

@@ -138,8 +138,8 @@ def refuse_train(document: Document, needed: str) -> None:
     """Refuse the file of a train of gears if another file is needed; raises WrongInput with the commands that work."""
     if "train" in document.data:
         problem = (
-            "the file has a train of gears, which `ncgear check`, `build`, `animate` and `studio` take, of planetary "
-            "trains also `strength` and `tolerance`, and of chains `report`, `simulate`, `compare` and `sweep`, too; "
+            "the file has a train of gears, which `ncgear check`, `build`, `report`, `animate` and `studio` take, of "
+            "planetary trains also `strength` and `tolerance`, and of chains `simulate`, `compare` and `sweep`, too; "
             f"this needs {needed}"
         )
         raise WrongInput(problem, key="train", location=str(document.place("train")))

@@ -83,6 +83,7 @@ def report_page(
         "speed": shown(drive.design.operation.speed_rpm),
         "achieved": achieved_lines(drive.achieved, drive.linkage) if drive.achieved else [],
         "comparison": comparison_tables(comparison_rows(drive)),
+        "compared": "Comparison",
         "uniform": drive.linkage.UNIFORM,
         "load": drive.linkage.OUTPUT.load_name,
         "text": loaded.text,
@@ -107,7 +108,7 @@ def report_page(
         ],
         "paces": paces(drive.design.operation.speed_rpm),
     }
-    return _rendered({**about_design, **about_pairs, **moving})
+    return rendered({**about_design, **about_pairs, **moving})
 
 
 def stage_name(pair: Drive) -> str:
@@ -115,7 +116,7 @@ def stage_name(pair: Drive) -> str:
     return f"Stage {pair.stage}" if pair.stage else ""
 
 
-def _rendered(content: Mapping[str, Any]) -> bytes:
+def rendered(content: Mapping[str, Any]) -> bytes:
     """The page with the given content, whose text is escaped; only the page's own script may run."""
     environment = Environment(loader=PackageLoader(PACKAGE, ""), autoescape=True, undefined=StrictUndefined)
     environment.policies["json.dumps_kwargs"] = JSON_FORM
