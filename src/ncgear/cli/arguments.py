@@ -194,14 +194,14 @@ def print_times(drive: Drive) -> None:
     typer.echo(timing_text(drive), err=True)
 
 
-def tell_report(path: Path, page: bytes, figures: Sequence[Mapping[str, Any]], kept: Sequence[Path]) -> None:
-    """Tell where a report is; or print the ``figures`` as JSON if there are any."""
-    if figures:
-        print_figures(*figures, kept=kept)
-        return
+def tell_written(said: str, kept: Sequence[Path], figures: Sequence[Mapping[str, Any]] = ()) -> None:
+    """Tell what was written, and the files of other programs that were ``kept``; or print figures as JSON, if any."""
     from ncgear.figures.terminal import kept_lines
 
-    typer.echo("\n".join([f"{path} ({len(page) / 1e6:.1f} MB): open it in a browser", *kept_lines(kept)]))
+    if figures:
+        print_figures(*figures, kept=kept)
+    else:
+        typer.echo("\n".join([said, *kept_lines(kept)]))
 
 
 def print_figures(*of_pairs: Mapping[str, Any], kept: Sequence[Path] = ()) -> None:

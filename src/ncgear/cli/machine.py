@@ -21,7 +21,7 @@ from ncgear.cli.arguments import (
     prepared,
     print_times,
     tell,
-    tell_report,
+    tell_written,
 )
 from ncgear.cli.mending import BUILD, OPTION, MakeTeeth, Mend, as_given, mended, naming_what_helps
 from ncgear.cli.progress import counted, steps_shown
@@ -171,7 +171,7 @@ def report(
             page = report_page(drive, loaded, contacts, together(verdicts), drawer)
             figures = summaries_without_files(drive, contacts, verdicts) if as_json else []
         run = publish_run(folder, {REPORT_FILE: page}, "report")
-        tell_report(folder / REPORT_FILE, page, figures, run.kept)
+        tell_written(f"{folder / REPORT_FILE} ({len(page) / 1e6:.1f} MB): open it in a browser", run.kept, figures)
         if timing:
             print_times(drive)
 
@@ -197,7 +197,6 @@ def animate(
     make = animated_train if is_train(design_file) else _animated_machine
     path, content = make(design_file, out, kind, form)
 
-    from ncgear.figures.terminal import kept_lines
     from ncgear.files.manifest import publish_named, publish_run
 
     # Another animation in the same folder is kept.
@@ -207,8 +206,7 @@ def animate(
         if out is None
         else publish_named(path, content, command, replaces=True)
     )
-    said = f"wrote {path}: {frames} frames in {seconds:g} s, {len(content) / 1e6:.3g} MB"
-    typer.echo("\n".join([said, *kept_lines(run.kept)]))
+    tell_written(f"wrote {path}: {frames} frames in {seconds:g} s, {len(content) / 1e6:.3g} MB", run.kept)
 
 
 def _animated_machine(

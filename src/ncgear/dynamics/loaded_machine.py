@@ -64,9 +64,8 @@ class Loads:
     @property
     def between_bearings(self) -> tuple[Vector, ...]:
         """The forces of their bearings on the shafts between pairs of gears, from the driving shaft on."""
-        if not self.meshes_before:
-            return ()
-        return tuple(after.force - one.force for one, after in pairwise((*self.meshes_before, self.mesh_force)))
+        meshes = [one for one in (*self.meshes_before, self.mesh) if one is not None]
+        return tuple(after.force - one.force for one, after in pairwise(meshes))
 
     @property
     def mesh_force(self) -> MeshForce:
@@ -211,11 +210,12 @@ class RigidMachine:
         """The mesh that turns the crank, and those before it; ``slope`` and ``torque`` are the crank's."""
         if self.place is None:
             return None, ()
+        if not between:
+            return mesh_force(self.place, slope, torque), ()
         before, even = list[MeshForce](), slope * 0.0 + 1.0
-        # Where the laws are not known, the shafts turn as the driving shaft.
-        speeds = [angle.differentiated() for angle in between] or [even] * len(self.places_before)
         driving, turning = even, even.truncated(torque.order)
-        for place, speed, passing in zip(self.places_before, speeds, passed, strict=False):
+        for place, angle, passing in zip(self.places_before, between, passed, strict=False):
+            speed = angle.differentiated()
             turned = speed.truncated(torque.order)
             before.append(mesh_force(place, speed / driving, passing / turned, turning))
             driving, turning = speed, turned

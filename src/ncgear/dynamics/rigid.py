@@ -10,6 +10,7 @@ from dataclasses import replace
 from functools import partial
 from math import degrees, pi
 from operator import attrgetter
+from typing import Any
 
 import numpy as np
 
@@ -40,18 +41,15 @@ MeshOf = Callable[[Loads], MeshForce]
 _mesh: MeshOf = attrgetter("mesh_force")
 
 
-def _mesh_before(number: int) -> MeshOf:
-    return lambda loads: loads.meshes_before[number]
-
-
-def _passed(number: int) -> Callable[[Loads], Jet]:
-    return lambda loads: loads.passed[number]
+def _one(of: str, number: int) -> Callable[[Loads], Any]:
+    """One of several values of loads, by their name."""
+    return lambda loads: getattr(loads, of)[number]
 
 
 def refuse_locked(rigid: RigidMachine) -> None:
     """Raises NoSuchMechanism, with the driving angle, where flanks carry at a pressure angle of 90 degrees or more."""
     meshes: list[tuple[MeshOf, Callable[[Loads], Jet]]] = [(_mesh, attrgetter("driven_torque"))] if rigid.place else []
-    meshes += [(_mesh_before(number), _passed(number)) for number, _ in enumerate(rigid.places_before)]
+    meshes += [(_one("meshes_before", number), _one("passed", number)) for number, _ in enumerate(rigid.places_before)]
     for stretch in stretches(rigid.machine):
         breaks = rigid.breaks(stretch)
         ends = stretch.start_rad, stretch.end_rad
@@ -108,17 +106,13 @@ def load_peaks(rigid: RigidMachine) -> LoadPeaks:
         crank_bearing_n=largest_over(rigid, cycle, lambda loads: loads.crank_bearing),
         guide_n=largest_over(rigid, cycle, lambda loads: Vector(loads.guide, loads.guide * 0.0)),
         mesh=None if rigid.place is None else _mesh_peak(rigid, cycle, _mesh),
-        meshes_before=tuple(_mesh_peak(rigid, cycle, _mesh_before(number)) for number in before),
-        between_bearings_n=tuple(largest_over(rigid, cycle, _between_bearing(number)) for number in before),
+        meshes_before=tuple(_mesh_peak(rigid, cycle, _one("meshes_before", number)) for number in before),
+        between_bearings_n=tuple(largest_over(rigid, cycle, _one("between_bearings", number)) for number in before),
     )
 
 
 def _joint(name: str) -> Callable[[Loads], Vector]:
     return lambda loads: loads.joints[name]
-
-
-def _between_bearing(number: int) -> Callable[[Loads], Vector]:
-    return lambda loads: loads.between_bearings[number]
 
 
 def _mesh_peak(rigid: RigidMachine, cycle: Sequence[Broken], mesh: MeshOf) -> MeshPeak:

@@ -42,12 +42,6 @@ STEPS = ("outlines", "solids", "contact", "pictures")
 """The steps of a build of a train."""
 
 
-def outlines_of(train: Train) -> tuple[dict[str, bytes], dict[str, Array]]:
-    """The tables of all outlines by their files' names, and the outlines read back from them by the parts' names."""
-    files = {f"{part.name}.csv": outline_csv(part.outline_mm).encode() for part in train.parts}
-    return files, {part.name: outline_of_csv(files[f"{part.name}.csv"]) for part in train.parts}
-
-
 @dataclass(frozen=True, eq=False)
 class BuiltTrain:
     """The files of a train by their names, its figures, and its conditions with the conditions of the written files."""
@@ -60,7 +54,8 @@ class BuiltTrain:
 def build_train(name: str, description: str, train: Train, on_step: Callable[[str], None]) -> BuiltTrain:
     """All files of a train; raises Unanswered where a solid is faulty or its file holds another solid."""
     on_step(STEPS[0])
-    files, outlines = outlines_of(train)
+    files = {f"{part.name}.csv": outline_csv(part.outline_mm).encode() for part in train.parts}
+    outlines = {part.name: outline_of_csv(files[f"{part.name}.csv"]) for part in train.parts}
     on_step(STEPS[1])
     solids: dict[str, Trimesh] = {}
     alike: dict[object, Trimesh] = {}
@@ -72,10 +67,12 @@ def build_train(name: str, description: str, train: Train, on_step: Callable[[st
         solids[part.name] = alike[body]
     files |= {f"{one}.stl": stl_bytes(solid) for one, solid in solids.items()}
     on_step(STEPS[2])
-    figures, conditions = judged_as_written(name, description, train, outlines)
+    contacts, distances = contacts_of(train, outlines), distances_of(train, outlines)
+    conditions = (*train.told.conditions, *judged_contacts(train, contacts, distances))
     on_step(STEPS[3])
     from ncgear.drawings.train_pictures import meshes_picture, train_picture
 
+    figures = train_figures(name, description, train, conditions) | contact_figures(contacts, distances)
     angles = np.linspace(0.0, train.cycle_rad, POSES)
     files |= {
         "assembly.json": json_text(poses_figures(train, angles)).encode(),
@@ -86,15 +83,6 @@ def build_train(name: str, description: str, train: Train, on_step: Callable[[st
         **{f"{trace.name}.csv": _trace_csv(train, trace.name, angles) for trace in train.traces},
     }
     return BuiltTrain(files, figures, conditions)
-
-
-def judged_as_written(
-    name: str, description: str, train: Train, outlines_mm: Mapping[str, Array]
-) -> tuple[dict[str, Any], tuple[TrainCondition, ...]]:
-    """The figures of a train and its conditions, by the outlines of its parts as they were read back."""
-    contacts, distances = contacts_of(train, outlines_mm), distances_of(train, outlines_mm)
-    conditions = (*train.told.conditions, *judged_contacts(train, contacts, distances))
-    return train_figures(name, description, train, conditions) | contact_figures(contacts, distances), conditions
 
 
 def _trace_csv(train: Train, name: str, angles: Array) -> bytes:

@@ -14,7 +14,6 @@ from ncgear.design.keys.base import listed
 from ncgear.design.keys.gears import Gears
 from ncgear.design.keys.machine import FINEST_IN_MODULES
 from ncgear.design.mechanisms import entry_of
-from ncgear.design.words import COUNTS
 from ncgear.errors import DesignError, WrongInput
 from ncgear.kinematics.check import KinematicCheck, at_speed, both_sides_rad, kinematic_check, load_extremes_rad
 from ncgear.kinematics.motion import Machine, OutputMotion, sample_angles
@@ -542,11 +541,11 @@ class Geared(Moving):
         """The forces in the uniform crank with the same masses."""
         return self._rigid(lambda: self.uniform_driving)
 
-    def require_pairs(self, most: int) -> None:
+    def require_one_pair(self) -> None:
         """Raise WrongInput where there are more pairs of gears."""
-        if self.design.stages > most:
+        if self.design.stages > 1:
             said, key = self.design.stages_said
-            raise WrongInput(f"{said}; these forces are computed of {COUNTS[most]}", key=key)
+            raise WrongInput(f"{said}; these forces are computed of one", key=key)
 
     def _rigid(self, driving: Callable[[], DrivingShaft]) -> Rigid:
         from ncgear.dynamics.rigid import rigid_level
@@ -559,11 +558,9 @@ class Geared(Moving):
     @property
     def mesh_places(self) -> list[MeshPlace]:
         """The places of all pairs of gears, from the driving shaft on, in the frame of the mechanism."""
-        sense = -1.0
+        pairs, axes, sense = self.by_stage, driving_axes_rad(self.gears, self.design.stages), -1.0
         found: list[MeshPlace] = []
-        for pair, axis in zip(
-            reversed(self.by_stage), reversed(driving_axes_rad(self.gears, len(self.by_stage))), strict=True
-        ):
+        for pair, axis in zip(pairs[::-1], axes[::-1], strict=True):
             place = mesh_place(self.gears, pair.pitch.center_distance_mm)
             found.insert(0, replace(place, driving_axis_rad=axis, driven_sense=sense))
             sense *= place.mesh.sense

@@ -104,8 +104,10 @@ def train_inertia(
         return stated_inertia(given)
     between = given.shafts_between_kg_mm2 if stages > 1 else ()
     if stages > 1 and given.shaft_between_kg_mm2 is None:
-        both = [(bodies(place).driven_kg_mm2, bodies(place + 1).driving_kg_mm2) for place in range(stages - 1)]
-        between = tuple(before if shares_gears else before + after for before, after in both)
+        between = tuple(
+            bodies(place).driven_kg_mm2 + (0.0 if shares_gears else bodies(place + 1).driving_kg_mm2)
+            for place in range(stages - 1)
+        )
     return TrainInertia(
         bodies(0).driving_kg_mm2 if driving is None else driving,
         between,

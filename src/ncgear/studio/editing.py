@@ -196,7 +196,7 @@ class ChangingText:
         """The drive, or the train, of a text with changes by key; a fault names the line of the text."""
         if text != self._text:
             self._document, self._text = read_yaml(text, str(path)), text
-        loaded = as_it_is(with_values(self._document, values_of(text, changes)), text, path)
+        loaded = as_it_is(text, path, with_values(self._document, values_of(text, changes)))
         if isinstance(loaded, LoadedTrain):
             return loaded
         before = self._drive
@@ -231,7 +231,7 @@ def lacking(text: str, changes: Mapping[str, Any], path: Path) -> dict[str, str]
 def _faults(document: Document, text: str, path: Path) -> dict[str, str]:
     """The faults of a design by their keys."""
     try:
-        as_it_is(document, text, path)
+        as_it_is(text, path, document)
     except WrongInput as error:
         return {one.key: one.problem for one in (error, *error.others)}
     return {}

@@ -16,7 +16,7 @@ from pathlib import Path
 from time import time
 from typing import Any
 
-from ncgear.design.reading.design_file import LoadedDesign, parsed_as_it_is
+from ncgear.design.reading.design_file import LoadedDesign, as_it_is
 from ncgear.design.rewritten import design_copy
 from ncgear.errors import WrongInput
 from ncgear.files.one_file import put_in_place
@@ -24,10 +24,7 @@ from ncgear.files.one_file import put_in_place
 
 @dataclass(frozen=True)
 class Command:
-    """A command of ncgear as the page offers it; ``out`` is added to the design's name to get its folder.
-
-    ``takes_trains`` tells whether there are trains of gears that it takes.
-    """
+    """A command of ncgear as the page offers it; ``out`` is added to the design's name to get its folder."""
 
     words: str
     arguments: tuple[str, ...]
@@ -167,9 +164,9 @@ class Job:
 
 def _copied(text: str, path: Path, folder: Path) -> Path:
     """A copy of the edited text that needs no other file, in a folder of its own; raises as reading the text does."""
-    loaded = parsed_as_it_is(text, path)
+    loaded = as_it_is(text, path)
     copy = design_copy(loaded, {}) if isinstance(loaded, LoadedDesign) and loaded.source.from_files else text
-    place = folder / f"{loaded.name}.yaml"
+    place = folder / f"{loaded.source.data['name']}.yaml"
     put_in_place(place, copy.encode())
     return place
 

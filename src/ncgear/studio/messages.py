@@ -59,9 +59,8 @@ def _number(text: str) -> float:
 Answer = tuple[str, Any]
 
 Asked = Drive | LoadedTrain
-"""What a text describes, of which a page is answered."""
 
-Answers = Callable[[Any], Iterator[Answer]]
+Answers = Callable[[Asked], Iterator[Answer]]
 
 
 def guarded(answers: Answers, asked: Callable[[], Asked]) -> Iterator[Answer]:

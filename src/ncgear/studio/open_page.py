@@ -15,7 +15,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from ncgear.design.reading.design_file import parsed_as_it_is
+from ncgear.design.reading.design_file import as_it_is
 from ncgear.design.reading.text import has_train, shortened
 from ncgear.design.rewritten import document_of
 from ncgear.errors import WrongInput
@@ -242,8 +242,8 @@ class OpenPage:
 
     async def _run(self, name: Any, text: str) -> None:
         command = require_command(name)
-        loaded = await asyncio.to_thread(parsed_as_it_is, text, self.file.path)
-        design = loaded.name
+        loaded = await asyncio.to_thread(as_it_is, text, self.file.path)
+        design = loaded.source.data["name"]
         folder = self.out / f"{design}{command.out}"
         for job in running_jobs.values():
             if job.folder == folder:

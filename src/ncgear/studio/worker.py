@@ -31,7 +31,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 from ncgear.interrupts import end_with_parent, quiet_of_interrupts
 
 if TYPE_CHECKING:
-    from ncgear.studio.messages import Answer, Answers, Asked
+    from ncgear.studio.messages import Answer, Answers
 
 MOTION, GEARS, CONTACT = "motion", "gears", "contact"
 
@@ -203,23 +203,6 @@ def _answer(requests: Requests, out: BinaryIO, asked: tuple[str, int, bool], fou
 
 
 def answers_of(chain: str) -> Answers:
-    """The answers of a chain; a train is answered by the chain of the motion alone."""
-    from ncgear.design.reading.design_file import LoadedTrain
-
-    of_machine = _answers_of_machine(chain)
-
-    def answers(made: Asked) -> Iterator[Answer]:
-        if not isinstance(made, LoadedTrain):
-            yield from of_machine(made)
-        elif chain == MOTION:
-            from ncgear.studio.train_answers import train_answers
-
-            yield from train_answers(made)
-
-    return answers
-
-
-def _answers_of_machine(chain: str) -> Answers:
     """The answers of a chain; none of them imports modules that only another chain needs."""
     if chain == MOTION:
         from ncgear.studio.motion_answers import motion_answers

@@ -17,6 +17,9 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Mesh
 
+MARGIN = 0.04
+"""Margin of pictures, as a share of their larger side."""
+
 GROUND = "ground"
 """``fixed_to`` of a part that stands still."""
 
@@ -188,6 +191,18 @@ class Train:
             }
             tints[one.name] = next(number for number in range(len(taken) + 1) if number not in taken)
         return tints[part.name]
+
+    def room_mm(self) -> tuple[Array, Array]:
+        """The corners, shape (2,), of the smallest upright rectangle with a margin in which all parts stay."""
+        poses, corners = self.poses_at(np.linspace(0.0, self.cycle_rad, 61)), []
+        for number, part in enumerate(self.parts):
+            axis, turn = poses.places(number)
+            placed = axis[:, None] + turn[:, None] * (part.outline_mm @ np.array([1.0, 1.0j]))
+            low, high = (np.array([end(placed.real), end(placed.imag)]) for end in (np.min, np.max))
+            corners.append((low - (part.rim_mm or 0.0), high + (part.rim_mm or 0.0)))
+        low, high = np.min(corners, axis=0)[0], np.max(corners, axis=0)[1]
+        margin = MARGIN * float((high - low).max())
+        return low - margin, high + margin
 
     def trace_mm(self, trace: Trace, driving_rad: Array) -> Array:
         """Places of a followed point at driving angles in rad, shape (n,), as points of shape (n, 2)."""

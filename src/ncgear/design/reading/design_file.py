@@ -60,11 +60,6 @@ class LoadedDesign:
     text: str
 
     @property
-    def name(self) -> str:
-        """The name of the design."""
-        return self.design.name
-
-    @property
     def is_train(self) -> bool:
         """Whether the file describes a train, read as the machine that it is."""
         return bool(self.source.document.written_as)
@@ -113,13 +108,9 @@ def parsed(text: str, path: Path) -> LoadedDesign:
     return design_of(read_yaml(text, str(path)), text, path)
 
 
-def parsed_as_it_is(text: str, path: Path) -> LoadedDesign | LoadedTrain:
-    """As ``parsed``; the file of a train is read as a train."""
-    return as_it_is(read_yaml(text, str(path)), text, path)
-
-
-def as_it_is(document: Document, text: str, path: Path) -> LoadedDesign | LoadedTrain:
-    """The design or the train of a file's values; raises the errors of reading the text."""
+def as_it_is(text: str, path: Path, document: Document | None = None) -> LoadedDesign | LoadedTrain:
+    """As ``parsed``, by the values of the text if they are known; the file of a train is read as a train."""
+    document = document or read_yaml(text, str(path))
     if isinstance(document.data, dict) and "train" in document.data:
         return _train_of(document)
     return design_of(document, text, path)
@@ -197,11 +188,6 @@ class LoadedTrain:
 
     file: TrainFile
     source: Source
-
-    @property
-    def name(self) -> str:
-        """The name of the train."""
-        return self.file.name
 
     @property
     def places(self) -> Source:

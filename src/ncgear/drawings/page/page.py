@@ -88,9 +88,6 @@ def report_page(
         "load": drive.linkage.OUTPUT.load_name,
         "text": loaded.text,
         "file_name": loaded.path.name,
-        "versions": versions(),
-        "plain": ToothLinks(),
-        "ncgear_version": __version__,
     }
     solids = [solid_view(pair.solids, pair.pitch.center_distance_mm, stage_name(pair)) for pair, _ in pairs]
     svg = Markup(scene_svg(scene))
@@ -123,7 +120,8 @@ def rendered(content: Mapping[str, Any]) -> bytes:
     template = environment.get_template("template.html.j2")
     css, script = page_style(), in_own_scope(shared_script(), asset("script/page.js"))
     policy = _policy([hash_of(script), *(view.script_hash for view in content["solids"])])
-    return template.render(**content, css=Markup(css), script=Markup(script), policy=policy).encode()
+    made = {"versions": versions(), "plain": ToothLinks(), "ncgear_version": __version__}
+    return template.render(**content, **made, css=Markup(css), script=Markup(script), policy=policy).encode()
 
 
 def _policy(hashes: Sequence[str]) -> str:
