@@ -58,7 +58,7 @@ def train_page(train: Train, answer: Answer, figures: Mapping[str, Any], design_
     )
 
 
-TABLES = (
+TABLES: tuple[tuple[str, str, tuple[str, ...], tuple[Column, ...]], ...] = (
     (
         "Meshes, by the outlines as written",
         "meshes",
