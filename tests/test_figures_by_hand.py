@@ -42,8 +42,8 @@ def test_torques_of_a_table_are_in_newton_metres() -> None:
         crank_bearing=force([3.0], [4.0]),
         guide=Made(value=np.array([5.0])),
         mesh=None,
-        first_mesh=None,
-        between_bearing=None,
+        meshes_before=(),
+        between_bearings=(),
     )
     columns = simulated._load_columns(Made(CRANK="crank", GUIDED=True), loads)
     assert {name: values.tolist() for name, values in columns.items()} == {

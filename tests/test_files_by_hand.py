@@ -220,7 +220,7 @@ def test_charts_of_rigid_loads_have_sizes_means_and_degrees(monkeypatch: pytest.
             joints={"pin": force, "wrist": force},
             guide=Made(value=np.array([1.0, -1.0])),
             mesh=mesh,
-            first_mesh=None,
+            meshes_before=(),
         )
 
     linkage = Made(CRANK="crank", JOINTS={"wrist": "wrist pin", "pin": "crank pin"}, GUIDED=True, UNIFORM="even crank")
@@ -235,7 +235,7 @@ def test_charts_of_rigid_loads_have_sizes_means_and_degrees(monkeypatch: pytest.
     assert [chart.lines[0].values.tolist() for chart in charts] == [[5.0, 13.0]] * 3 + [[1.0, -1.0]]
     size, angle = simulated.mesh_forces(drive, own, uniform)
     assert (size.lines[0].values.tolist(), angle.lines[0].values) == ([7.0, 8.0], pytest.approx([20.0, -20.0]))
-    own.first_mesh = uniform.first_mesh = own.mesh
+    own.meshes_before = uniform.meshes_before = (own.mesh,)
     assert [chart.name for chart in simulated.mesh_forces(drive, own, uniform)] == [
         "first mesh force",
         "first pressure angle",

@@ -12,6 +12,7 @@ import pytest
 
 from at_once import at_once
 from drives import drive_of_text, loaded
+from ncgear.design.keys.masses import DrivenShaftMasses
 from ncgear.design.mechanisms import mechanism_of
 from ncgear.design.wishes.gentle_stop import GentleStop
 from ncgear.drivetrain.cycle import with_tooth_friction
@@ -75,17 +76,22 @@ def test_what_swings_on_teeth_is_both_inertias_in_series() -> None:
 
 def test_bodies_stand_for_inertias_that_a_file_leaves_out() -> None:
     """Of the first pair and of the last; on the shaft between is one gear of each."""
-    bodies = {0: Fake(driving_kg_mm2=1.0, driven_kg_mm2=20.0), -1: Fake(driving_kg_mm2=300.0, driven_kg_mm2=4000.0)}
+    bodies = [Fake(driving_kg_mm2=1.0, driven_kg_mm2=20.0), Fake(driving_kg_mm2=300.0, driven_kg_mm2=4000.0)]
 
     def given(driving: float | None, between_kg_mm2: float | None, driven: float | None) -> Any:
         keys = "driving_gear_kg_mm2", "shaft_between_kg_mm2", "driven_gear_kg_mm2"
-        return Fake(**dict(zip(keys, (driving, between_kg_mm2, driven), strict=True)))
+        return DrivenShaftMasses(shaft_kg_mm2=0.0, **dict(zip(keys, (driving, between_kg_mm2, driven), strict=True)))
 
-    assert train_inertia(given(None, None, None), 2, bodies.__getitem__) == TrainInertia(1.0, 320.0, 4000.0)
-    assert train_inertia(given(None, None, 7.0), 1, bodies.__getitem__) == TrainInertia(1.0, 0.0, 7.0)
-    assert train_inertia(given(5.0, None, 7.0), 1, None) == TrainInertia(5.0, 0.0, 7.0)
-    assert train_inertia(given(5.0, 6.0, 7.0), 2, bodies.__getitem__) == TrainInertia(5.0, 6.0, 7.0)
-    assert train_inertia(given(5.0, None, 7.0), 2, bodies.__getitem__) == TrainInertia(5.0, 320.0, 7.0)
+    assert train_inertia(given(None, None, None), 2, bodies.__getitem__) == TrainInertia(1.0, (320.0,), 4000.0)
+    assert train_inertia(given(None, None, 7.0), 1, bodies.__getitem__) == TrainInertia(1.0, (), 7.0)
+    assert train_inertia(given(5.0, None, 7.0), 1, None) == TrainInertia(5.0, (), 7.0)
+    assert train_inertia(given(5.0, 6.0, 7.0), 2, bodies.__getitem__) == TrainInertia(5.0, (6.0,), 7.0)
+    assert train_inertia(given(5.0, None, 7.0), 2, bodies.__getitem__) == TrainInertia(5.0, (320.0,), 7.0)
+    third = Fake(driving_kg_mm2=300.0, driven_kg_mm2=5.0)
+    of_three = train_inertia(given(None, None, 7.0), 3, [*bodies, third].__getitem__)
+    assert of_three == TrainInertia(1.0, (320.0, 4300.0), 7.0)
+    shared = train_inertia(given(None, None, 7.0), 3, [*bodies, third].__getitem__, shares_gears=True)
+    assert shared == TrainInertia(1.0, (20.0, 4000.0), 7.0)
 
 
 @at_once(("name", "key", "factor"), [("rocker-drive", "stroke_deg", 180.0 / pi), ("pump-1-2", "stroke_mm", 1.0)])

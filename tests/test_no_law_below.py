@@ -113,7 +113,7 @@ def test_a_limit_that_only_other_gears_keep_is_not_refused() -> None:
 
 
 SHARED = Wishes(Limits(0.4, 2.5, peak_power_w=1.0, rms_torque_n_m=0.001), goal=Goal.POWER, two_stages=TwoStages(None))
-MASSES = RodMasses(slider_kg=3.0, between_inertia_kg_mm2=1300.0)
+MASSES = RodMasses(slider_kg=3.0, between_inertia_kg_mm2=(1300.0,))
 BETWEEN = Task(CrankSlider(30.0, 120.0), SliderLoad(PolynomialResistance((400.0,))), 63.0, masses=MASSES)
 
 
@@ -125,7 +125,7 @@ def test_a_limit_knows_nothing_of_a_shaft_between_two_pairs() -> None:
     assert limit_points(BETWEEN, SHARED, 1e4) == []
     assert any("shaft between" in said for said in not_covered(BETWEEN, SHARED))
     # Without inertia there it knows them, and of one pair there is no such shaft
-    still = replace(BETWEEN, masses=replace(MASSES, between_inertia_kg_mm2=0.0))
+    still = replace(BETWEEN, masses=replace(MASSES, between_inertia_kg_mm2=()))
     for task, wishes in ((still, SHARED), (BETWEEN, replace(SHARED, two_stages=None))):
         known = demands_of(task, wishes)
         assert (known.power_w, known.torque_n_mm) == (1.0, pytest.approx(1.0))
@@ -139,7 +139,7 @@ def test_a_shaft_between_brings_laws_below_the_limit_without_it() -> None:
     text = FAST.replace("limits:", "limits:\n    stages: 2").replace("    free_of_undercut: true\n", "")
     found = best(text.replace("wishes:\n  time_ratio: {at_least: 1.5}", "").replace("pressure_angle_deg: 55", ""))
     assert found.bound is found.limit is None
-    without = replace(found.task, masses=replace(found.task.moving, between_inertia_kg_mm2=0.0))
+    without = replace(found.task, masses=replace(found.task.moving, between_inertia_kg_mm2=()))
     least = certified_limit(without, found.wishes)
     assert least is not None
     assert found.goal < 0.98 * least.value

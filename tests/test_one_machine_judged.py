@@ -307,7 +307,7 @@ def driving_torque_n_mm(scene: newton_euler.Scene, made: Drive, between_kg_mm2: 
 def test_the_shaft_between_turns_with_the_gears_that_are_written() -> None:
     made, scene, inertia = two_pairs()
     weight = inertia["1 driven"] + inertia["2 driving"]
-    assert made.masses.between_inertia_kg_mm2 == pytest.approx(weight, rel=OF_SOLIDS)
+    assert sum(made.masses.between_inertia_kg_mm2) == pytest.approx(weight, rel=OF_SOLIDS)
     told = made.driving.machine.at(np.array(PLACES)).driving_torque.value
     right = [driving_torque_n_mm(scene, made, weight, place) for place in PLACES]
     np.testing.assert_allclose(told, right, atol=OF_SOLIDS * np.abs(right).max())

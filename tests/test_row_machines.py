@@ -16,7 +16,6 @@ import pytest
 from shapely import Polygon
 
 from drives import DESIGNS, drive_of_text
-from ncgear.cli.studio import studio
 from ncgear.design.reading.design_file import load, load_train, parsed
 from ncgear.design.rewritten import design_copy
 from ncgear.drawings.scene.geared_pairs import SceneGear
@@ -276,7 +275,6 @@ def test_refusals_of_a_chain_name_the_keys_of_its_file(key: str, name: str, line
         ("gears:\n  driving: {bore_mm: 10}", "gears.driven"),
         ("gears:\n  backlash_deg: 0.1", "gears.backlash_deg"),
         ("gears:\n  rack: {idle_pressure_angle_deg: 25}", "gears.rack.idle_pressure_angle_deg"),
-        ("masses: {shaft_kg_mm2: 1}\ngears:", "masses"),
         ("strength: {overload: {driving_torque_n_m: 20, times: 5}}\ngears:", "strength.overload"),
     ],
 )
@@ -295,12 +293,6 @@ def test_a_torque_that_other_gears_do_not_meet_again_is_refused() -> None:
     with pytest.raises(WrongInput, match="repeats every 180 deg") as wrong:
         _ = made("{lobes: [2]}", UNEVEN, "12 + sin(x)").check
     assert wrong.value.key == "resistance"
-
-
-@pytest.mark.thorough
-def test_the_studio_says_what_it_edits_in_place_of_a_train() -> None:
-    with pytest.raises(WrongInput, match=r"the studio edits machines: gears\.idlers"):
-        studio(DESIGNS / "idler-chain.yaml")
 
 
 @pytest.mark.thorough

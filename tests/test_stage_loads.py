@@ -197,7 +197,7 @@ def test_the_uniform_crank_of_two_pairs_turns_no_shaft_unevenly() -> None:
 def test_gears_between_two_pairs_weigh_what_their_bodies_do() -> None:
     one = made(SHARED + SLIDER)
     first, second = (pair.gear_inertia for pair in one.by_stage)
-    assert one.masses.between_inertia_kg_mm2 == first.driven_kg_mm2 + second.driving_kg_mm2 > 0.0
+    assert sum(one.masses.between_inertia_kg_mm2) == first.driven_kg_mm2 + second.driving_kg_mm2 > 0.0
     assert one.masses.driven_inertia_kg_mm2 == second.driven_kg_mm2
     assert one.masses.driving_inertia_kg_mm2 == 0.0
     assert one.by_stage[0].masses == one.by_stage[1].masses == one.masses

@@ -48,6 +48,12 @@ NAMES = [*MACHINES]
 SOME = ["baler", "ellipse", "feeder-wishes", "scotch-yoke-pump"]
 
 
+def driven(followed: ChangingText, text: str, changes: Mapping[str, Any], path: Path) -> Drive:
+    made = followed.made(text, changes, path)
+    assert isinstance(made, Drive)
+    return made
+
+
 def text_of(name: str) -> str:
     return (DESIGNS / f"{name}.yaml").read_text(encoding="utf-8")
 
@@ -284,7 +290,7 @@ def moved(name: str, number: int, axis: str, step: float) -> tuple[dict[str, Any
     before = handles(drive(name))[number]
     move = before["moves"][axis]
     changes = {move["key"]: move["base"] + move["factor"] * step}
-    return before, handles(ChangingText().drive(text_of(name), changes, DESIGNS / f"{name}.yaml"))[number]
+    return before, handles(driven(ChangingText(), text_of(name), changes, DESIGNS / f"{name}.yaml"))[number]
 
 
 @at_once("number", range(4))
@@ -335,19 +341,21 @@ CHANGED: list[dict[str, Any]] = [
 def test_what_a_change_leaves_is_kept_and_what_it_touches_is_made_anew() -> None:
     followed, text, path = ChangingText(), text_of("ellipse"), DESIGNS / "ellipse.yaml"
     for changes in CHANGED:
-        kept, anew = followed.drive(text, changes, path), Drive(parsed(edited(text, changes), path).design)
+        kept, anew = driven(followed, text, changes, path), Drive(parsed(edited(text, changes), path).design)
         assert kept.design == anew.design
         assert kept.check.peak_speed == anew.check.peak_speed
         if anew.design.gears is not None:
             assert np.array_equal(kept.teeth.driving.outline_mm, anew.teeth.driving.outline_mm), changes
             assert np.array_equal(kept.teeth.driven.outline_mm, anew.teeth.driven.outline_mm), changes
-    before = followed.drive(text, {}, path)
+    before = driven(followed, text, {}, path)
     teeth, law, sliding = before.teeth, before.law, before.contact_extremes.sliding_mm_s.value
-    assert followed.drive(text, {"operation.speed_rpm": 20}, path).teeth is teeth
-    assert followed.drive(text, {"gears.teeth": 39}, path).law is law
-    _ = followed.drive(text, {}, path).contact_extremes
-    assert followed.drive(text, {"linkage.rod_mm": 333}, path).contact_extremes.sliding_mm_s.value == sliding
-    assert followed.drive(text, {"operation.speed_rpm": 45}, path).contact_extremes.sliding_mm_s.value == sliding / 2.0
+    assert driven(followed, text, {"operation.speed_rpm": 20}, path).teeth is teeth
+    assert driven(followed, text, {"gears.teeth": 39}, path).law is law
+    _ = driven(followed, text, {}, path).contact_extremes
+    assert driven(followed, text, {"linkage.rod_mm": 333}, path).contact_extremes.sliding_mm_s.value == sliding
+    assert (
+        driven(followed, text, {"operation.speed_rpm": 45}, path).contact_extremes.sliding_mm_s.value == sliding / 2.0
+    )
 
 
 SHAPED_BY_THE_SLIDER = {"three_segment_stroke", "table"}
@@ -359,13 +367,13 @@ SHAPED_BY_THE_SLIDER = {"three_segment_stroke", "table"}
 def test_a_length_of_the_mechanism_changes_gears_of_laws_that_ask_for_it_alone(name: str) -> None:
     """Pitch curves are kept where the law does not ask, and are those of the changed text either way."""
     text, path, followed = text_of(name), DESIGNS / f"{name}.yaml", ChangingText()
-    before, rows = followed.drive(text, {}, path), leaves(data_of(text).get("linkage", {}), "linkage")
+    before, rows = driven(followed, text, {}, path), leaves(data_of(text).get("linkage", {}), "linkage")
     changes = {key: 1.01 * value for key, value in rows if key.endswith("_mm")}
     if before.design.gears is None or not changes:
         return
     asks, pairs = before.design.motion.law in SHAPED_BY_THE_SLIDER, [pair.pitch for pair in before.by_stage]
     try:
-        kept = [pair.pitch for pair in followed.drive(text, changes, path).by_stage]
+        kept = [pair.pitch for pair in driven(followed, text, changes, path).by_stage]
     except (WrongInput, NoSuchMechanism):
         assert asks
         return
@@ -386,7 +394,7 @@ def test_changes_while_something_is_dragged_say_what_the_text_says_then(name: st
     numbers = [(key, value) for key, value in leaves(data_of(text)["motion"], "motion") if isinstance(value, float)]
     changes = {"operation.speed_rpm": 33.25, **{key: 1.001 * value for key, value in numbers[:1]}}
     path = DESIGNS / f"{name}.yaml"
-    assert ChangingText().drive(text, changes, path).design == parsed(edited(text, changes), path).design
+    assert driven(ChangingText(), text, changes, path).design == parsed(edited(text, changes), path).design
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -397,7 +405,7 @@ def test_every_design_opens_is_changed_refuses_and_is_mended(name: str) -> None:
     refused_as_shipped = name == "baler-a1-at-law-speed"
 
     def told(changes: Mapping[str, Any], chain: str) -> tuple[str, Any]:
-        drive_of = partial(followed.drive, text, changes, DESIGNS / f"{name}.yaml")
+        drive_of = partial(followed.made, text, changes, DESIGNS / f"{name}.yaml")
         found = guarded(answers_of(chain), drive_of)
         return next((kind, content) for kind, content in found if kind in ("refused", PICTURES[chain]))
 
@@ -407,7 +415,7 @@ def test_every_design_opens_is_changed_refuses_and_is_mended(name: str) -> None:
     for chain in (MOTION, GEARS):
         kind, content = told({"operation.speed_rpm": -1}, chain)
         assert (kind, content["key"], content["wrong_input"]) == ("refused", "operation.speed_rpm", True)
-    if followed.drive(text, {}, DESIGNS / f"{name}.yaml").design.gears is not None:
+    if driven(followed, text, {}, DESIGNS / f"{name}.yaml").design.gears is not None:
         # Where gears stand by themselves nothing is left to be shown then, which is no fault.
         kind, content = told({"gears.rack": {"addendum": 2.5}}, GEARS)
         assert (kind, content["key"]) == ("refused", "gears.rack.addendum") or refused_as_shipped
@@ -424,7 +432,7 @@ def answered(answers: Answers, text: str, name: str, changes: Mapping[str, Any] 
 
 def begun_answers(answers: Answers, text: str, name: str, changes: Mapping[str, Any] | None = None) -> Iterator[Answer]:
     """The same one by one: later ones take longer."""
-    return iter(guarded(answers, lambda: ChangingText().drive(text, changes or {}, DESIGNS / f"{name}.yaml")))
+    return iter(guarded(answers, lambda: driven(ChangingText(), text, changes or {}, DESIGNS / f"{name}.yaml")))
 
 
 def test_the_motion_is_that_of_the_drive() -> None:

@@ -159,7 +159,7 @@ def test_a_command_waits_for_another_of_its_folder_and_where_two_run_already(
 ) -> None:
     begun: list[Any] = []
     monkeypatch.setattr(open_page, "running_jobs", {})
-    monkeypatch.setattr(open_page, "parsed", lambda text, path: Fake(design=Fake(name="press")))
+    monkeypatch.setattr(open_page, "as_it_is", lambda text, path: Fake(source=Fake(data={"name": "press"})))
 
     async def carried_out(one: Any) -> None:
         begun.append(one)

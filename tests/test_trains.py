@@ -422,17 +422,17 @@ def test_a_check_says_what_the_train_is(run: Run) -> None:
     assert "teeth (undercut, tips and strength" in out
 
 
-@at_once("command", ["report", "simulate", "strength", "balance", "tolerance", "size"])
+@at_once("command", ["simulate", "strength", "balance", "tolerance", "size"])
 def test_other_commands_say_what_works(run: Run, command: str) -> None:
     place = Path("mine.yaml")
     place.write_text(TRAINS["lobed-motor"].read_text(encoding="utf-8"), encoding="utf-8")
     status, _, err = run(command, str(place))
     assert status == 2
     assert err.startswith("mine.yaml:4:1: train: ")
-    assert "`ncgear check`, `build` and `animate`" in err
+    assert "`ncgear check`, `build`, `report`, `animate` and `studio`" in err
 
 
-@at_once("command", ["report", "simulate", "size", "compare mine.yaml", "sweep --vary train.speed_rpm=60:90"])
+@at_once("command", ["simulate", "size", "compare mine.yaml", "sweep --vary train.speed_rpm=60:90"])
 def test_gears_on_a_carrier_have_no_power_of_gears_on_fixed_axes(run: Run, command: str) -> None:
     """Loads hold for both; the power of the sun as it turns beside the carrier is nobody's."""
     _ = written(FILE)

@@ -194,6 +194,16 @@ def print_times(drive: Drive) -> None:
     typer.echo(timing_text(drive), err=True)
 
 
+def tell_written(said: str, kept: Sequence[Path], figures: Sequence[Mapping[str, Any]] = ()) -> None:
+    """Tell what was written, and the files of other programs that were ``kept``; or print figures as JSON, if any."""
+    from ncgear.figures.terminal import kept_lines
+
+    if figures:
+        print_figures(*figures, kept=kept)
+    else:
+        typer.echo("\n".join([said, *kept_lines(kept)]))
+
+
 def print_figures(*of_pairs: Mapping[str, Any], kept: Sequence[Path] = ()) -> None:
     """Print figures as one JSON document to stdout, and the files of other programs that were ``kept`` to stderr.
 

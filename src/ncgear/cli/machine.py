@@ -19,13 +19,21 @@ from ncgear.cli.arguments import (
     opened,
     pasted,
     prepared,
-    print_figures,
     print_times,
     tell,
+    tell_written,
 )
 from ncgear.cli.mending import BUILD, OPTION, MakeTeeth, Mend, as_given, mended, naming_what_helps
 from ncgear.cli.progress import counted, steps_shown
-from ncgear.cli.train import animated_train, build_train, check_train, is_train, refuse_options
+from ncgear.cli.train import (
+    animated_train,
+    build_train,
+    check_train,
+    is_train,
+    refuse_options,
+    report_train,
+    reports_as_train,
+)
 from ncgear.dynamics.level import Level
 from ncgear.errors import WrongInput, located
 from ncgear.files.workshop.formats import USUAL, Format, require_libraries, slow_to_load
@@ -136,6 +144,10 @@ def report(
     timing: Timing = False,
 ) -> None:
     """Write report.html: the machine running, its curves, comparison, warnings, data sheet and design file."""
+    if reports_as_train(design_file):
+        refuse_options(design_file, {"--timing": timing})
+        report_train(design_file, out, as_json=as_json)
+        return
     from ncgear.drawings.beside import PAGE_CHARTS, drawing_beside
 
     with drawing_beside(PAGE_CHARTS) as drawer, opened(design_file) as loaded:
@@ -144,7 +156,6 @@ def report(
         from ncgear.drawings.page import REPORT_FILE
         from ncgear.drawings.page.page import report_page
         from ncgear.figures.advice.verdict import together
-        from ncgear.figures.terminal import kept_lines
         from ncgear.files.build import WRITTEN_STEPS, contacts_as_written, summaries_without_files, verdicts_of
         from ncgear.files.manifest import publish_run
         from ncgear.project.drive import Drive
@@ -159,11 +170,7 @@ def report(
             page = report_page(drive, loaded, contacts, together(verdicts), drawer)
             figures = summaries_without_files(drive, contacts, verdicts) if as_json else []
         run = publish_run(folder, {REPORT_FILE: page}, "report")
-        if as_json:
-            print_figures(*figures, kept=run.kept)
-        else:
-            said = f"{folder / REPORT_FILE} ({len(page) / 1e6:.1f} MB): open it in a browser"
-            typer.echo("\n".join([said, *kept_lines(run.kept)]))
+        tell_written(f"{folder / REPORT_FILE} ({len(page) / 1e6:.1f} MB): open it in a browser", run.kept, figures)
         if timing:
             print_times(drive)
 
@@ -189,7 +196,6 @@ def animate(
     make = animated_train if is_train(design_file) else _animated_machine
     path, content = make(design_file, out, kind, form)
 
-    from ncgear.figures.terminal import kept_lines
     from ncgear.files.manifest import publish_named, publish_run
 
     # Another animation in the same folder is kept.
@@ -199,8 +205,7 @@ def animate(
         if out is None
         else publish_named(path, content, command, replaces=True)
     )
-    said = f"wrote {path}: {frames} frames in {seconds:g} s, {len(content) / 1e6:.3g} MB"
-    typer.echo("\n".join([said, *kept_lines(run.kept)]))
+    tell_written(f"wrote {path}: {frames} frames in {seconds:g} s, {len(content) / 1e6:.3g} MB", run.kept)
 
 
 def _animated_machine(
@@ -238,8 +243,6 @@ def simulate(
 ) -> None:
     """Find the torques and forces in a design's machine, beside the uniform crank with the same masses."""
     with opened(design_file) as loaded:
-        if loaded.is_train:
-            raise WrongInput("has no masses, whose forces are simulated; ncgear strength rates its teeth", key="train")
         folder = prepared(out, f"{loaded.design.name}-{level}")
 
         from ncgear.figures.answers.simulated import simulated_answer

@@ -40,19 +40,14 @@ def studio(
         name = design_file.stem or "machine"
         raise WrongInput(f"is not there; `ncgear new {name}` writes a design to begin with", location=str(design_file))
 
-    from ncgear.design.reading.text import has_train, read_text
+    from ncgear.design.reading.text import read_text
     from ncgear.files.publish import real_place
     from ncgear.studio.on_disk import LARGEST_MB
     from ncgear.studio.server import listening, open_in_browser, serve
 
     if design_file is not None:
         # Files of a killed save are removed later, when the page can tell about it.
-        text = read_text(real := real_place(design_file), limit_mb=LARGEST_MB)
-        if has_train(text):
-            problem = (
-                "a train of gears; the studio edits machines: gears.idlers in the file of one makes a row of gears"
-            )
-            raise WrongInput(problem, key="train", location=str(real))
+        read_text(real := real_place(design_file), limit_mb=LARGEST_MB)
         if str(real) != str(real).encode(errors="replace").decode():
             problem = "has a name that is no text in UTF-8, which no page can tell; rename it for the studio"
             raise WrongInput(problem, location=str(real))

@@ -1,4 +1,4 @@
-"""The commands check, build and animate for design files of trains of gears."""
+"""The commands check, build, report and animate for design files of trains of gears."""
 
 from __future__ import annotations
 
@@ -6,14 +6,17 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ncgear.cli.arguments import EXPORT, pasted, prepared, tell
+from ncgear.cli.arguments import EXPORT, pasted, prepared, tell, tell_written
 from ncgear.cli.progress import counted, steps_shown
 from ncgear.design.reading.text import has_train, read_text
 from ncgear.errors import WrongInput, located
 from ncgear.memory import keep_freed_memory
 
 if TYPE_CHECKING:
+    from ncgear.design.reading.design_file import LoadedTrain
     from ncgear.drawings.animation import AnimationFormat
+    from ncgear.files.train import BuiltTrain
+    from ncgear.trains.train import Train
 
 
 def is_train(design_file: Path) -> bool:
@@ -76,21 +79,52 @@ def animated_train(
 
 def build_train(design_file: Path, out: Path | None, *, as_json: bool, verbose: bool) -> None:
     """Write all files of a train into a folder, and tell the written files and whether the train meshes."""
+    loaded, folder, train, built = _built(design_file, out)
+
+    from ncgear.figures.trains import train_answer
+    from ncgear.files.manifest import publish_run
+
+    file, run = loaded.file, publish_run(folder, built.files, "build")
+    answer = train_answer(file.name, file.description, train, built.conditions, f"open {folder / 'train.png'}")
+    tell(answer, built.figures, as_json=as_json, verbose=verbose, run=run)
+
+
+def _built(design_file: Path, out: Path | None) -> tuple[LoadedTrain, Path, Train, BuiltTrain]:
+    """A train file, the folder for its files, the train, and all its files."""
     from ncgear.design.reading.design_file import load_train
 
     keep_freed_memory()
     loaded = load_train(design_file)
     file, folder = loaded.file, prepared(out, loaded.file.name)
 
-    from ncgear.figures.trains import train_answer
-    from ncgear.files.manifest import publish_run
     from ncgear.files.train import STEPS
     from ncgear.files.train import build_train as build_files
 
     with located(loaded.source), steps_shown(1 + len(STEPS)) as on_step:
         on_step("train")
         train = file.train.train()
-        built = build_files(file.name, file.description, train, on_step)
-    run = publish_run(folder, built.files, "build")
-    answer = train_answer(file.name, file.description, train, built.conditions, f"open {folder / 'train.png'}")
-    tell(answer, built.figures, as_json=as_json, verbose=verbose, run=run)
+        return loaded, folder, train, build_files(file.name, file.description, train, on_step)
+
+
+def reports_as_train(design_file: Path) -> bool:
+    """Whether a design file describes a train whose report shows it running: one that is no machine by itself."""
+    from ncgear.design.reading.design_file import load_train
+
+    train = load_train(design_file).file.train if is_train(design_file) else None
+    return train is not None and not (train.TURNS_ALONE and train.machine())
+
+
+def report_train(design_file: Path, out: Path | None, *, as_json: bool) -> None:
+    """Write the page of a train as it runs, with the figures of a build."""
+    loaded, folder, train, built = _built(design_file, out)
+
+    from ncgear.drawings.page import REPORT_FILE
+    from ncgear.drawings.page.train_page import train_page
+    from ncgear.figures.trains import train_answer
+    from ncgear.files.manifest import publish_run
+
+    answer = train_answer(loaded.file.name, loaded.file.description, train, built.conditions, "")
+    page = train_page(train, answer, built.figures, design_file)
+    run = publish_run(folder, {REPORT_FILE: page}, "report")
+    said = f"{folder / REPORT_FILE} ({len(page) / 1e6:.1f} MB): open it in a browser"
+    tell_written(said, run.kept, [built.figures] if as_json else [])

@@ -39,6 +39,9 @@ def listed(names: Iterable[str], word: str = "or") -> str:
 COUNTS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven")
 """Small numbers in words."""
 
+ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth")
+"""Places of pairs in series and of shafts between, in words."""
+
 LONGEST_NAME, LONGEST_DESCRIPTION = 64, 10_000
 NAME_PATTERN = rf"^[A-Za-z0-9_-]{{1,{LONGEST_NAME}}}$"
 NAME_RULE = f"letters, digits, - and _, at most {LONGEST_NAME} of them"

@@ -42,17 +42,7 @@ def train_picture(train: Train, outlines_mm: Mapping[str, Array], driving_rad: f
 
 def color_of(train: Train, part: Part) -> str:
     """The colour of a part: gears that mesh have different colours, bars and fixed parts are grey."""
-    if not part.teeth:
-        return canvas.REFERENCE
-    colors: dict[str, int] = {}
-    for one in train.parts:
-        taken = {
-            colors.get(m.second if m.first == one.name else m.first, -1)
-            for m in train.meshes
-            if one.name in (m.first, m.second)
-        }
-        colors[one.name] = next(number for number in range(len(taken) + 1) if number not in taken)
-    return COLORS[colors[part.name] % len(COLORS)]
+    return COLORS[train.tint(part) % len(COLORS)] if part.teeth else canvas.REFERENCE
 
 
 def _draw(axes: Axes, part: Part, outline_mm: Array, poses: Poses, number: int, color: str) -> None:
@@ -113,9 +103,6 @@ def meshes_picture(train: Train, outlines_mm: Mapping[str, Array], title: str) -
     return canvas.png(made)
 
 
-MARGIN = 0.04
-"""Margin of the picture, as a share of its larger side."""
-
 FRAME_WIDTH_IN = 7.0
 """Width in inches for which lines and letters are sized."""
 
@@ -124,7 +111,7 @@ HEADING_IN = 0.4
 
 def train_frames(train: Train, title: str, width_px: int) -> Frames:
     """A function that draws frames over a cycle of the train, at a width in pixels."""
-    low, high = _room(train)
+    low, high = train.room_mm()
     size = high - low
     height_in = FRAME_WIDTH_IN * size[1] / size[0] + HEADING_IN
     made = canvas.figure(FRAME_WIDTH_IN, height_in, title)
@@ -165,16 +152,3 @@ def train_frames(train: Train, title: str, width_px: int) -> Frames:
             yield opaque(np.asarray(drawn.buffer_rgba()))
 
     return frames
-
-
-def _room(train: Train) -> tuple[Any, Any]:
-    """The corners of the smallest upright rectangle, with a margin, in which all parts stay over a cycle."""
-    poses = train.poses_at(np.linspace(0.0, train.cycle_rad, 61))
-    corners = []
-    for number, part in enumerate(train.parts):
-        axis, turn = poses.places(number)
-        placed = axis[:, None] + turn[:, None] * (part.outline_mm @ np.array([1.0, 1.0j]))
-        corners.append([placed.real.min(), placed.imag.min(), placed.real.max(), placed.imag.max()])
-    low, high = np.min(corners, axis=0)[:2], np.max(corners, axis=0)[2:]
-    margin = MARGIN * float((high - low).max())
-    return low - margin, high + margin

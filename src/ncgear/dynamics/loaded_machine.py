@@ -9,7 +9,9 @@ function of the whole force along the slider's line: with N_0 of a guide without
 N, |N| = |N_0| / (1 - mu N_1 sign(N_0)) on the way out, with a plus on the way back.  Where that is negative the slider
 jams, and the machine is refused.
 
-Between two pairs in series, the shaft turns unevenly as well and takes its part of the torque.
+Shafts between pairs in series turn unevenly as well and take their part of the torque.  A pair passes on the driving
+torque that everything behind it needs: R_k = R_k+1 + J S' S'' w^2, with S the angle of the shaft between by the driving
+angle, J its inertia, and R of the last pair the torque on the crank times dphi2/dphi1.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import pairwise
 from math import degrees, floor, sqrt, tan
 from operator import attrgetter
 
@@ -34,7 +37,7 @@ from ncgear.numerics.jet import Jet
 from ncgear.numerics.plane import Vector
 from ncgear.numerics.units import N_PER_KG_MM_S2
 from ncgear.numerics.zeros import all_zeros
-from ncgear.ratio.transmission import Transmission
+from ncgear.ratio.transmission import Transmission, turned_after
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,8 +47,9 @@ class Loads:
     ``driving_torque`` is the torque on the driving shaft, ``driven_torque`` that on the driven gear.  ``joints`` are
     the forces between the bodies of the mechanism, by its names for them and on the body nearer to the slider;
     ``crank_bearing`` acts on the crank shaft, ``guide`` on the slider across its line, the mesh force on the driven
-    gear that turns the crank.  The driving shaft's bearings exert the same force as the mesh, or as ``first_mesh``, the
-    mesh of the first of two pairs.  Without gears (``mesh`` None) the crank's bearing holds the mechanism alone.
+    gear that turns the crank.  ``meshes_before`` are the meshes of the pairs before it in series, from the driving
+    shaft on, whose bearings exert the same force as the first mesh.  ``passed`` are the parts of the driving torque
+    that the pairs pass on.  Without gears (``mesh`` None) the crank's bearing holds the mechanism alone.
     """
 
     driving_torque: Jet
@@ -54,12 +58,14 @@ class Loads:
     crank_bearing: Vector
     guide: Jet
     mesh: MeshForce | None
-    first_mesh: MeshForce | None = None
+    meshes_before: tuple[MeshForce, ...] = ()
+    passed: tuple[Jet, ...] = ()
 
     @property
-    def between_bearing(self) -> Vector | None:
-        """The force of its bearings on the shaft between two pairs of gears; None without one."""
-        return None if self.first_mesh is None else self.mesh_force.force - self.first_mesh.force
+    def between_bearings(self) -> tuple[Vector, ...]:
+        """The forces of their bearings on the shafts between pairs of gears, from the driving shaft on."""
+        meshes = [one for one in (*self.meshes_before, self.mesh) if one is not None]
+        return tuple(after.force - one.force for one, after in pairwise(meshes))
 
     @property
     def mesh_force(self) -> MeshForce:
@@ -72,18 +78,18 @@ class Loads:
 class RigidMachine:
     """A machine at constant driving speed with all that its design gives: all commands use this loaded machine.
 
-    ``place`` is the arrangement of its gears, None without gears; of two pairs in series that of the last, beside
-    ``first_place``.  ``guide_friction`` is the coefficient of friction between the slider and its guide.  ``between``
-    is the angle of the shaft between two pairs of gears over the driving angle, None for a single pair and where that
-    shaft turns as the driving shaft.  Computing loads raises NoSuchMechanism where the slider jams in its guide.
+    ``place`` is the arrangement of its gears, None without gears; of pairs in series that of the last, behind
+    ``places_before``.  ``guide_friction`` is the coefficient of friction between the slider and its guide.
+    ``laws_before`` are the laws of the pairs before the last, from the driving shaft on, as far as they are known.
+    Computing loads raises NoSuchMechanism where the slider jams in its guide.
     """
 
     machine: Machine
     masses: Masses
     place: MeshPlace | None = None
     guide_friction: float = 0.0
-    between: Transmission | None = None
-    first_place: MeshPlace | None = None
+    laws_before: tuple[Transmission, ...] = ()
+    places_before: tuple[MeshPlace, ...] = ()
 
     def loads(
         self, phi1: Array, driven_angle: Jet, resistance_n: Jet, returning: Mask, of_law: Jet | None = None
@@ -96,16 +102,18 @@ class RigidMachine:
         pace = EvenPace(self.machine.speed_rad_s)
         joints = self._joints(driven_angle, pace, resistance_n, returning)
         slope, torque = (of_law or driven_angle).differentiated(), joints.torque_n_mm
-        driving = slope.truncated(torque.order) * torque + self._of_shaft_between(phi1, pace, torque.order)
-        mesh, first_mesh = self._meshes(phi1, slope, torque, driving)
+        between = turned_after(self.laws_before, phi1, driven_angle.order)
+        passed = self._passed(slope.truncated(torque.order) * torque, between, pace)
+        mesh, meshes_before = self._meshes(slope, torque, between, passed)
         return Loads(
-            driving_torque=driving,
+            driving_torque=passed[0],
             driven_torque=torque,
             joints=joints.joints,
             crank_bearing=joints.crank_axis if mesh is None else joints.crank_axis - mesh.force,
             guide=joints.guide_n,
             mesh=mesh,
-            first_mesh=first_mesh,
+            meshes_before=meshes_before,
+            passed=passed,
         )
 
     def at(self, phi1: Array, beyond: Array | None = None) -> Loads:
@@ -197,27 +205,29 @@ class RigidMachine:
         )
 
     def _meshes(
-        self, phi1: Array, slope: Jet, torque: Jet, driving_torque: Jet
-    ) -> tuple[MeshForce | None, MeshForce | None]:
-        """The mesh that turns the crank and, of two pairs, the first; ``slope`` is that of the crank's angle."""
+        self, slope: Jet, torque: Jet, between: Sequence[Jet], passed: Sequence[Jet]
+    ) -> tuple[MeshForce | None, tuple[MeshForce, ...]]:
+        """The mesh that turns the crank, and those before it; ``slope`` and ``torque`` are the crank's."""
         if self.place is None:
-            return None, None
-        if self.first_place is None:
-            return mesh_force(self.place, slope, torque), None
-        first = slope * 0.0 + 1.0
-        if self.between is not None:
-            first = self.between.driven_angle(phi1, slope.order + 1).differentiated()
-        speed = first.truncated(torque.order)
-        last = mesh_force(self.place, slope / first, torque, speed)
-        return last, mesh_force(self.first_place, first, driving_torque / speed)
+            return None, ()
+        if not between:
+            return mesh_force(self.place, slope, torque), ()
+        before, even = list[MeshForce](), slope * 0.0 + 1.0
+        driving, turning = even, even.truncated(torque.order)
+        for place, angle, passing in zip(self.places_before, between, passed, strict=False):
+            speed = angle.differentiated()
+            turned = speed.truncated(torque.order)
+            before.append(mesh_force(place, speed / driving, passing / turned, turning))
+            driving, turning = speed, turned
+        return mesh_force(self.place, slope / driving, torque, turning), tuple(before)
 
-    def _of_shaft_between(self, phi1: Array, pace: EvenPace, order: int) -> Jet | float:
-        """Torque on the driving shaft for the uneven turning of the shaft between two pairs, in N mm."""
-        if self.between is None or not self.masses.between_inertia_kg_mm2:
-            return 0.0
-        angle = self.between.driven_angle(phi1, order + 2)
-        inertia = N_PER_KG_MM_S2 * self.masses.between_inertia_kg_mm2
-        return angle.differentiated().truncated(order) * pace.second(angle) * inertia
+    def _passed(self, last: Jet, between: Sequence[Jet], pace: EvenPace) -> tuple[Jet, ...]:
+        """The parts of the driving torque in N mm that the pairs pass on, for that of the ``last``."""
+        passed, inertias = [last], self.masses.between_inertia_kg_mm2 or (0.0,) * len(between)
+        for angle, inertia in zip(reversed(between), reversed(inertias), strict=False):
+            turning = angle.differentiated().truncated(last.order) * pace.second(angle)
+            passed.append(passed[-1] + turning * (N_PER_KG_MM_S2 * inertia))
+        return tuple(reversed(passed))
 
     def _resistance_n(self, driven_angle: Jet, returning: Mask) -> Jet:
         """The load of the slider along -x, with derivatives."""

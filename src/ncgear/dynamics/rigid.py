@@ -10,6 +10,7 @@ from dataclasses import replace
 from functools import partial
 from math import degrees, pi
 from operator import attrgetter
+from typing import Any
 
 import numpy as np
 
@@ -38,14 +39,17 @@ MeshOf = Callable[[Loads], MeshForce]
 """One of the meshes of a machine's loads."""
 
 _mesh: MeshOf = attrgetter("mesh_force")
-_first_mesh: MeshOf = attrgetter("first_mesh")
+
+
+def _one(of: str, number: int) -> Callable[[Loads], Any]:
+    """One of several values of loads, by their name."""
+    return lambda loads: getattr(loads, of)[number]
 
 
 def refuse_locked(rigid: RigidMachine) -> None:
     """Raises NoSuchMechanism, with the driving angle, where flanks carry at a pressure angle of 90 degrees or more."""
-    meshes = [(_mesh, attrgetter("driven_torque"))] if rigid.place else []
-    if rigid.first_place:
-        meshes.append((_first_mesh, attrgetter("driving_torque")))
+    meshes: list[tuple[MeshOf, Callable[[Loads], Jet]]] = [(_mesh, attrgetter("driven_torque"))] if rigid.place else []
+    meshes += [(_one("meshes_before", number), _one("passed", number)) for number, _ in enumerate(rigid.places_before)]
     for stretch in stretches(rigid.machine):
         breaks = rigid.breaks(stretch)
         ends = stretch.start_rad, stretch.end_rad
@@ -90,22 +94,20 @@ class LoadPeaks:
     crank_bearing_n: Extremum
     guide_n: Extremum
     mesh: MeshPeak | None
-    first_mesh: MeshPeak | None = None
-    between_bearing_n: Extremum | None = None
+    meshes_before: tuple[MeshPeak, ...] = ()
+    between_bearings_n: tuple[Extremum, ...] = ()
 
 
 def load_peaks(rigid: RigidMachine) -> LoadPeaks:
     """Peaks over one cycle."""
-    cycle = broken_cycle(rigid)
+    cycle, before = broken_cycle(rigid), range(len(rigid.places_before))
     return LoadPeaks(
         joints_n={name: largest_over(rigid, cycle, _joint(name)) for name in rigid.machine.linkage.JOINTS},
         crank_bearing_n=largest_over(rigid, cycle, lambda loads: loads.crank_bearing),
         guide_n=largest_over(rigid, cycle, lambda loads: Vector(loads.guide, loads.guide * 0.0)),
         mesh=None if rigid.place is None else _mesh_peak(rigid, cycle, _mesh),
-        first_mesh=None if rigid.first_place is None else _mesh_peak(rigid, cycle, _first_mesh),
-        between_bearing_n=None
-        if rigid.first_place is None
-        else largest_over(rigid, cycle, attrgetter("between_bearing")),
+        meshes_before=tuple(_mesh_peak(rigid, cycle, _one("meshes_before", number)) for number in before),
+        between_bearings_n=tuple(largest_over(rigid, cycle, _one("between_bearings", number)) for number in before),
     )
 
 
@@ -134,11 +136,12 @@ class Rigid:
         return self.driving.fluctuation
 
 
-def rigid_level(driving: DrivingShaft, place: MeshPlace | None, first_place: MeshPlace | None = None) -> Rigid:
-    """The forces in a machine from its driving shaft and the arrangement of its gears as in ``RigidMachine``.
+def rigid_level(driving: DrivingShaft, places: Sequence[MeshPlace]) -> Rigid:
+    """The forces in a machine from its driving shaft and the places of its pairs of gears, from the driving shaft on.
 
     Raises NoSuchMechanism where its teeth cannot hold the torque.
     """
-    machine = replace(driving.machine, place=place, first_place=first_place)
+    *before, place = places or (None,)
+    machine = replace(driving.machine, place=place, places_before=tuple(before))
     refuse_locked(machine)
     return Rigid(machine, driving, load_peaks(machine))

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from ncgear.design.words import ORDINALS
 from ncgear.dynamics.history import CRANK_BEARING, History, MotionPeaks, Peak, parted_s, pushing_parted_s
 from ncgear.dynamics.level import Level
 from ncgear.dynamics.loaded_machine import Loads
@@ -65,11 +66,17 @@ def _load_columns(linkage: Mechanism, loads: Loads) -> dict[str, Array]:
     if loads.mesh is not None:
         columns |= _components("mesh", loads.mesh.force)
         columns |= {"mesh_n": loads.mesh.size_n.value, "pressure_angle_rad": loads.mesh.pressure_angle_rad.value}
-    if loads.first_mesh is not None and loads.between_bearing is not None:
-        columns |= _components("first_mesh", loads.first_mesh.force) | _components(
-            "shaft_between_bearing", loads.between_bearing
-        )
+    for (mesh, bearing), before, force in zip(
+        _names_before(len(loads.meshes_before)), loads.meshes_before, loads.between_bearings, strict=True
+    ):
+        columns |= _components(mesh, before.force) | _components(bearing, force)
     return columns
+
+
+def _names_before(count: int) -> list[tuple[str, str]]:
+    """The names of the meshes before the last, and of the bearings of the shafts that they turn, from the first on."""
+    shaft = "shaft_between_bearing"
+    return [(f"{one}_mesh", shaft if count == 1 else f"{one}_{shaft}") for one in ORDINALS[:count]]
 
 
 def _components(name: str, force: Vector) -> dict[str, Array]:
@@ -101,6 +108,8 @@ def _masses(drive: Drive) -> dict[str, Any]:
     """The moving masses; what turns with the driven shaft has the mechanism's own name, and none that it has not."""
     linkage, found = drive.linkage, asdict(drive.masses)
     along, across = found.pop("gravity_m_s2")
+    between = found["between_inertia_kg_mm2"]
+    found["between_inertia_kg_mm2"] = between[0] if len(between) == 1 else list(between)
     absent = {name for name in ("slider_kg",) if "slider" not in linkage.POINTS}
     absent |= {"crank_kg", "crank_center_mm"} if not linkage.HAS_CRANK else set()
     absent |= {"between_inertia_kg_mm2"} if drive.design.stages == 1 else set()
@@ -140,15 +149,17 @@ def force_figures(linkage: Mechanism, peaks: LoadPeaks) -> dict[str, Any]:
 
 def _mesh(peaks: LoadPeaks) -> dict[str, Any]:
     """The forces of meshes; the bearings of the driving shaft bear the first unchanged; empty without gears."""
-    found = {"mesh": peaks.mesh, "first_mesh": peaks.first_mesh}
-    told = dict[str, Any]()
-    for name, mesh in found.items():
-        if mesh is not None:
-            told |= extreme(f"peak_{name}_force", "n", mesh.force_n)
-            told[f"pressure_angle_at_peak_{name}_force_deg"] = degrees(mesh.pressure_angle_rad)
-    if (first := peaks.first_mesh or peaks.mesh) is not None:
-        told |= extreme(SAME_AS_MESH.removesuffix("_n"), "n", first.force_n)
-    return told | (extreme("peak_shaft_between_bearing_force", "n", one) if (one := peaks.between_bearing_n) else {})
+    if peaks.mesh is None:
+        return {}
+    before, told = _names_before(len(peaks.meshes_before)), dict[str, Any]()
+    found = zip(("mesh", *(name for name, _ in before)), (peaks.mesh, *peaks.meshes_before), strict=True)
+    for name, mesh in found:
+        told |= extreme(f"peak_{name}_force", "n", mesh.force_n)
+        told[f"pressure_angle_at_peak_{name}_force_deg"] = degrees(mesh.pressure_angle_rad)
+    told |= extreme(SAME_AS_MESH.removesuffix("_n"), "n", (*peaks.meshes_before, peaks.mesh)[0].force_n)
+    for (_, bearing), peak in zip(before, peaks.between_bearings_n, strict=True):
+        told |= extreme(f"peak_{bearing}_force", "n", peak)
+    return told
 
 
 def quasi_static_table(drive: Drive, rigid_torque_n_m: Array) -> dict[str, Array]:

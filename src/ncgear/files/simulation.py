@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ncgear.design.words import ORDINALS
 from ncgear.drawings.charts.chart import EMPTY, NO_STRETCHES, Chart, ChartLine, Role, joints_up_to
 from ncgear.drawings.charts.drawer import LOAD_LOOK, SIMULATION_COLUMN, TIME_LOOK, Look, column_png
 from ncgear.drawings.charts.slider_charts import MOTION
@@ -85,10 +86,10 @@ def mesh_forces(drive: Drive, own: Loads, uniform: Loads) -> list[Chart]:
     """Force between the teeth and pressure angle; empty where there are no gears."""
     if own.mesh is None or uniform.mesh is None:
         return []
-    charts, meshes = [], {"": (own.mesh, uniform.mesh)}
-    if own.first_mesh is not None and uniform.first_mesh is not None:
-        meshes = {"first ": (own.first_mesh, uniform.first_mesh), "last ": (own.mesh, uniform.mesh)}
-    for of, both in meshes.items():
+    before = list(zip(own.meshes_before, uniform.meshes_before, strict=True))
+    names = [*(f"{one} " for one in ORDINALS[: len(before)]), "last " if before else ""]
+    charts = []
+    for of, both in zip(names, [*before, (own.mesh, uniform.mesh)], strict=True):
         angles = (np.degrees(mesh.pressure_angle_rad.value) for mesh in both)
         charts.append(_load_chart(drive, f"{of}mesh force", "N", *(mesh.size_n.value for mesh in both)))
         charts.append(replace(_load_chart(drive, f"{of}pressure angle", "deg", *angles), names_extreme=False))
@@ -98,7 +99,7 @@ def mesh_forces(drive: Drive, own: Loads, uniform: Loads) -> list[Chart]:
 def drawn_angles_rad(drive: Drive) -> Array:
     """Rising driving angles of the charts of the rigid level, shape (n,): the angles of its table and of its peaks."""
     peaks, torque = drive.rigid.peaks, drive.rigid.driving.torque_range_n_mm
-    mesh = [one.force_n for one in (peaks.mesh, peaks.first_mesh) if one is not None]
+    mesh = [one.force_n for one in (peaks.mesh, *peaks.meshes_before) if one is not None]
     found = [*peaks.joints_n.values(), peaks.crank_bearing_n, peaks.guide_n, *torque, *mesh]
     beside = both_sides_rad([peak.at for peak in found], drive.transmission.cycle_rad)
     return distinct(np.concatenate([drive.motion.phi1_rad, beside]))

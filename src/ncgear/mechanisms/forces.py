@@ -49,8 +49,8 @@ class ShaftMasses:
 
     The crank's centre of mass lies ``crank_center_mm`` from its axis towards the pin.  ``crank_inertia_kg_mm2`` is
     about the axis and includes everything that turns with the crank except the driven gear.  ``gravity_m_s2`` has its
-    components along and across the slider's line, in the frame of the mechanism.  ``between_inertia_kg_mm2`` is the
-    inertia of the shaft between two pairs of gears in series, with both its gears.
+    components along and across the slider's line, in the frame of the mechanism.  ``between_inertia_kg_mm2`` are
+    the inertias of the shafts between pairs of gears in series, with their gears, from the driving shaft on.
     """
 
     crank_kg: float = 0.0
@@ -60,7 +60,7 @@ class ShaftMasses:
     driving_inertia_kg_mm2: float = 0.0
     flywheel_inertia_kg_mm2: float = 0.0
     gravity_m_s2: tuple[float, float] = (0.0, 0.0)
-    between_inertia_kg_mm2: float = 0.0
+    between_inertia_kg_mm2: tuple[float, ...] = ()
 
     @property
     def crank_shaft_kg_mm2(self) -> float:

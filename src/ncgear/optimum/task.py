@@ -98,9 +98,9 @@ class Task:
         """The moving masses; all zero where there are none."""
         return self.linkage.MASSES() if self.masses is None else self.masses
 
-    def loaded(self, machine: Machine, between: Transmission | None = None) -> RigidMachine:
-        """The machine of a law with all that the task gives; ``between`` is as in ``RigidMachine``."""
-        return RigidMachine(machine, self.moving, guide_friction=self.guide_friction, between=between)
+    def loaded(self, machine: Machine, laws_before: tuple[Transmission, ...] = ()) -> RigidMachine:
+        """The machine of a law with all that the task gives; ``laws_before`` are as in ``RigidMachine``."""
+        return RigidMachine(machine, self.moving, guide_friction=self.guide_friction, laws_before=laws_before)
 
     @property
     def cycle_rad(self) -> float:
@@ -304,8 +304,7 @@ def figures(task: Task, train: PairsInSeries, as_large_as: PairsInSeries | None 
     )
     if task.masses is None:
         return of_motion
-    between = train.pairs[0].transmission if len(train.pairs) > 1 else None
-    rigid = task.loaded(machine, between)
+    rigid = task.loaded(machine, tuple(pair.transmission for pair in train.pairs[:-1]))
     loads = felt(rigid, task.speed_fluctuation)
     if above is not None:
         loads["torque_harmonics_n_m"] = N_M_PER_N_MM * DrivingShaft(rigid).fluctuation.rms_above_n_mm(above)

@@ -384,7 +384,8 @@ def motion_keys(law: MakeableLaw) -> LawKeys:
 
 def _change(task: Task, used: TrainInertia, made: TrainInertia) -> float:
     """Difference of the gears from the gears in use, over the mean inertia of everything that the crank turns."""
-    apart = max(abs(used.between_kg_mm2 - made.between_kg_mm2), abs(used.driven_kg_mm2 - made.driven_kg_mm2))
+    between = sum(used.between_kg_mm2) - sum(made.between_kg_mm2)
+    apart = max(abs(between), abs(used.driven_kg_mm2 - made.driven_kg_mm2))
     if not apart:
         return 0.0
     return apart / mean_inertia_kg_mm2(task)

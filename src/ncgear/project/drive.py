@@ -220,7 +220,7 @@ class Drive(Geared):
 
         if self.design.drivetrain is None:
             raise WrongInput("missing; it tells bearings, shafts, motor and more around the gears", key="drivetrain")
-        self.require_pairs(1)
+        self.require_one_pair()
         rigid, knocking, jam = self.rigid, self.knocking, self.jam
         touching = None if self.helix else TouchingTeeth(self.teeth, self.pitch, self.designed_contact)
         with self.stopwatch("drivetrain"):
@@ -282,7 +282,7 @@ class Drive(Geared):
         """
         from ncgear.project.forces import require_possible_stiffness
 
-        self.require_pairs(1)
+        self.require_one_pair()
         require_possible_stiffness(self.design.simulation, self.gears.face_width_mm)
         if self.helix is not None:
             problem = "helical teeth are rated by ncgear strength, but not followed in motion; leave it out"

@@ -11,7 +11,7 @@ import numpy as np
 from ncgear.contact.placement import BOTH_SIDES
 from ncgear.design.keys.masses import Simulation
 from ncgear.dynamics.crank_load import CrankLoad, crank_load
-from ncgear.dynamics.flank_changes import BorneTorque, borne_torque
+from ncgear.dynamics.flank_changes import IDLE, JUMP, BorneTorque, borne_torque, flanks_of
 from ncgear.dynamics.gaps import LEAST_IN_MODULES, PER_TOOTH, WITHIN_IN_MODULES, Gaps, gaps_of
 from ncgear.dynamics.loaded_machine import RigidMachine
 from ncgear.dynamics.meshing import Friction, Impact, Meshing
@@ -165,13 +165,18 @@ def borne_by(load: ToothLoad, meshing: Meshing) -> BorneTorque:
     return borne_torque(knocking, driven, load.torque_n_mm, machine.speed_rad_s, still.cycle_rad)
 
 
-def train_borne_by(loads: Sequence[ToothLoad], meshings: Sequence[Meshing]) -> tuple[BorneTorque, BorneTorque]:
-    """The torques of two pairs in series, as ``borne_by``; the shaft between them must have inertia."""
-    first, second = loads
-    rigid, machine = first.machine, first.machine.machine
+def train_borne_by(loads: Sequence[ToothLoad], meshings: Sequence[Meshing]) -> tuple[BorneTorque, ...]:
+    """The torques of pairs in series, as ``borne_by``; shafts between must have inertia.
+
+    Knocks are followed of two pairs.  Raises WrongInput where more pairs change their flanks.
+    """
+    rigid, machine = loads[0].machine, loads[0].machine.machine
     cycle = machine.transmission.cycle_rad
-    still = BorneTorque(first.torque_n_mm, cycle), BorneTorque(second.torque_n_mm, cycle)
-    between = N_PER_KG_MM_S2 * rigid.masses.between_inertia_kg_mm2
+    still = tuple(BorneTorque(one.torque_n_mm, cycle) for one in loads)
+    if len(loads) > 2:
+        _refuse_changes_of_flanks(loads)
+        return still
+    between = N_PER_KG_MM_S2 * sum(rigid.masses.between_inertia_kg_mm2)
     if not between:
         return still
     try:
@@ -184,6 +189,20 @@ def train_borne_by(loads: Sequence[ToothLoad], meshings: Sequence[Meshing]) -> t
         for meshing, inertia, one in zip(meshings, own, loads, strict=True)
     ]
     return KnockingTrain((pairs[0], pairs[1]), between, load, machine.speed_rad_s).borne(cycle)
+
+
+def _refuse_changes_of_flanks(loads: Sequence[ToothLoad]) -> None:
+    """Raise WrongInput where the torque of a pair changes its sign or jumps."""
+    for load in loads:
+        angle = np.linspace(0.0, load.pair.transmission.lobes.driving_period_rad, 4 * SAMPLES, endpoint=False)
+        torque = load.torque_n_mm(angle)
+        changed = np.abs(np.diff(torque, append=torque[0])) > JUMP * np.abs(torque).max()
+        if changed.any() or np.ptp(flanks_of(torque, IDLE * float(np.abs(torque).max()))):
+            raise WrongInput(
+                f"given, but with them the load of pair {load.number + 1} changes the flanks or jumps, and knocks are "
+                f"followed of two pairs in series, not of {len(loads)}; leave it out to rate the teeth without masses",
+                key="masses",
+            )
 
 
 def loaded_places_rad(phi1_rad: Array, meshing: Meshing, rigid: RigidMachine) -> Array:

@@ -11,11 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ncgear.design.keys.base import listed
-from ncgear.design.keys.design import MOST_PAIRS_WITH_MASSES
 from ncgear.design.keys.gears import Gears
 from ncgear.design.keys.machine import FINEST_IN_MODULES
 from ncgear.design.mechanisms import entry_of
-from ncgear.design.words import COUNTS
 from ncgear.errors import DesignError, WrongInput
 from ncgear.kinematics.check import KinematicCheck, at_speed, both_sides_rad, kinematic_check, load_extremes_rad
 from ncgear.kinematics.motion import Machine, OutputMotion, sample_angles
@@ -28,6 +26,7 @@ from ncgear.project.law import require_whole_turns, size_of
 from ncgear.project.moving import GearInertia, Moving, TrainInertia, computed, disc_kg_mm2, masses_of, train_inertia
 from ncgear.project.tooth_form import (
     backlash_of,
+    driving_axes_rad,
     helix_of,
     mesh_place,
     reach_in_pitches,
@@ -35,11 +34,13 @@ from ncgear.project.tooth_form import (
     thickness_limits_mm,
     tooth_form_of,
 )
+from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.teeth.form import BasicRack
 
 if TYPE_CHECKING:
     from ncgear.dynamics.driving_shaft import DrivingShaft
     from ncgear.dynamics.loaded_machine import RigidMachine
+    from ncgear.dynamics.mesh_force import MeshPlace
     from ncgear.dynamics.rigid import Rigid
     from ncgear.pitch.chambers import Pumped
     from ncgear.pitch.pair import PitchPair
@@ -403,7 +404,8 @@ class Geared(Moving):
         if given is None:
             return TrainInertia()
         bodies = None if self.design.gears is None else lambda place: whole.by_stage[place].gear_inertia
-        return train_inertia(given, self.design.stages, bodies)
+        shares = self.design.gears is not None and self.design.gears.idlers is not None
+        return train_inertia(given, self.design.stages, bodies, shares_gears=shares)
 
     @computed
     def masses(self) -> Masses:
@@ -436,13 +438,14 @@ class Geared(Moving):
         """A machine of this design with everything that the file gives, except the force between the teeth."""
         from ncgear.dynamics.loaded_machine import RigidMachine
 
-        around, pairs = self.design.drivetrain, self.law.train.pairs
+        around, before = self.design.drivetrain, [pair.transmission for pair in self.law.train.pairs[:-1]]
+        if machine.transmission is not self.transmission:
+            before = [uniform_law(law.lobes) for law in before]
         return RigidMachine(
             machine,
             self.masses,
             guide_friction=around.guide_friction if around else 0.0,
-            # The uniform crank's shaft between turns evenly, and needs no torque
-            between=pairs[0].transmission if len(pairs) > 1 and machine.transmission is self.transmission else None,
+            laws_before=tuple(before),
         )
 
     @computed
@@ -537,23 +540,30 @@ class Geared(Moving):
         """The forces in the uniform crank with the same masses."""
         return self._rigid(lambda: self.uniform_driving)
 
-    def require_pairs(self, most: int) -> None:
+    def require_one_pair(self) -> None:
         """Raise WrongInput where there are more pairs of gears."""
-        if self.design.stages > most:
+        if self.design.stages > 1:
             said, key = self.design.stages_said
-            raise WrongInput(f"{said}; these forces are computed of {COUNTS[most]}", key=key)
+            raise WrongInput(f"{said}; these forces are computed of one", key=key)
 
     def _rigid(self, driving: Callable[[], DrivingShaft]) -> Rigid:
         from ncgear.dynamics.rigid import rigid_level
 
-        self.require_pairs(MOST_PAIRS_WITH_MASSES)
-        places = []
-        if self.design.gears is not None:
-            places = [mesh_place(self.gears, pair.pitch.center_distance_mm) for pair in self.by_stage]
-        first = replace(places[0], driven_sense=float(-places[-1].mesh.sense)) if places[1:] else None
+        places = [] if self.design.gears is None else self.mesh_places
         shaft = driving()
         with self.stopwatch("forces"):
-            return rigid_level(shaft, places[-1] if places else None, first)
+            return rigid_level(shaft, places)
+
+    @property
+    def mesh_places(self) -> list[MeshPlace]:
+        """The places of all pairs of gears, from the driving shaft on, in the frame of the mechanism."""
+        pairs, axes, sense = self.by_stage, driving_axes_rad(self.gears, self.design.stages), -1.0
+        found: list[MeshPlace] = []
+        for pair, axis in zip(pairs[::-1], axes[::-1], strict=True):
+            place = mesh_place(self.gears, pair.pitch.center_distance_mm)
+            found.insert(0, replace(place, driving_axis_rad=axis, driven_sense=sense))
+            sense *= place.mesh.sense
+        return found
 
     @computed
     def running(self) -> Running:

@@ -56,10 +56,10 @@ class GearInertia:
 
 
 class TrainInertia(NamedTuple):
-    """Moments of inertia in kg mm2 of everything that turns with driving shaft, shaft between, and last gear."""
+    """Moments of inertia in kg mm2 of everything that turns with driving shaft, shafts between, and last gear."""
 
     driving_kg_mm2: float = 0.0
-    between_kg_mm2: float = 0.0
+    between_kg_mm2: tuple[float, ...] = ()
     driven_kg_mm2: float = 0.0
 
 
@@ -99,28 +99,34 @@ def states_inertia(given: ShaftMasses | DrivenShaftMasses, stages: int) -> bool:
 
 def stated_inertia(given: ShaftMasses | DrivenShaftMasses) -> TrainInertia:
     """The moments of inertia that a file states; moments that it leaves out are zero."""
-    return TrainInertia(
-        given.driving_gear_kg_mm2 or 0.0, given.shaft_between_kg_mm2 or 0.0, given.driven_gear_kg_mm2 or 0.0
-    )
+    return TrainInertia(given.driving_gear_kg_mm2 or 0.0, given.shafts_between_kg_mm2, given.driven_gear_kg_mm2 or 0.0)
 
 
 def train_inertia(
-    given: ShaftMasses | DrivenShaftMasses, stages: int, bodies: Callable[[int], GearInertia] | None
+    given: ShaftMasses | DrivenShaftMasses,
+    stages: int,
+    bodies: Callable[[int], GearInertia] | None,
+    *,
+    shares_gears: bool = False,
 ) -> TrainInertia:
     """The moments of inertia of a design's gears, as given or from their bodies.
 
-    ``bodies`` makes the gears' bodies of the first pair (0) or the last pair (-1); it is called only where an inertia
-    is left out, and is None without gears.
+    ``bodies`` makes the gears' bodies of a pair by its place; it is called only where an inertia is left out, and is
+    None without gears.  Pairs that share gears have one gear on a shaft between, else two.
     """
-    driving, between, driven = given.driving_gear_kg_mm2, given.shaft_between_kg_mm2, given.driven_gear_kg_mm2
+    driving, driven = given.driving_gear_kg_mm2, given.driven_gear_kg_mm2
     if bodies is None or states_inertia(given, stages):
         return stated_inertia(given)
-    first, last = bodies(0), bodies(-1)
-    of_between = first.driven_kg_mm2 + last.driving_kg_mm2 if between is None else between
+    between = given.shafts_between_kg_mm2 if stages > 1 else ()
+    if stages > 1 and given.shaft_between_kg_mm2 is None:
+        between = tuple(
+            bodies(place).driven_kg_mm2 + (0.0 if shares_gears else bodies(place + 1).driving_kg_mm2)
+            for place in range(stages - 1)
+        )
     return TrainInertia(
-        first.driving_kg_mm2 if driving is None else driving,
-        of_between if stages > 1 else 0.0,
-        last.driven_kg_mm2 if driven is None else driven,
+        bodies(0).driving_kg_mm2 if driving is None else driving,
+        between,
+        bodies(stages - 1).driven_kg_mm2 if driven is None else driven,
     )
 
 

@@ -127,7 +127,7 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
     needs_teeth = _needs_teeth(drive, plan, load, sides) if sides else ""
     jam_needs_teeth = needs_teeth
     if in_series:
-        needs_teeth = needs_teeth or "it needs the teeth to tell how hard two pairs in series knock"
+        needs_teeth = needs_teeth or "it needs the teeth to tell how hard pairs in series knock"
     warm, why = _warm(drive, sides, load.phi1_rad.size), _no_life(drive, load.phi1_rad)
     jammed = list[RoughSafety]()
     try:

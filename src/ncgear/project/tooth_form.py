@@ -83,6 +83,15 @@ def thickness_limits_mm(gears: Gears) -> tuple[float, float] | None:
     return given.tooth_thickness_lower_mm, given.tooth_thickness_upper_mm
 
 
+def driving_axes_rad(gears: Gears, count: int) -> list[float]:
+    """The directions to the driving axis of each pair; a row of an even number of pairs is seen from behind."""
+    last = radians(gears.driving_axis_deg)
+    if gears.idlers is None:
+        return [last] * count
+    turned, hand = gears.idlers.directions_rad, 1.0 if count % 2 else -1.0
+    return [last + hand * (one - turned[-1]) for one in turned]
+
+
 def mesh_place(gears: Gears, center_distance_mm: float) -> MeshPlace:
     """The relative place of gears and crank, which the force between the gears needs."""
     (pushing, idle), axis, helix = map(radians, gears.rack.angles_deg), radians(gears.driving_axis_deg), helix_of(gears)

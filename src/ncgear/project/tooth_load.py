@@ -32,9 +32,9 @@ class ToothLoad:
     ``jam_n_mm`` is the jam's torque at the driving shaft; without a jam such teeth carry nothing.  ``place`` is the
     place of the pair's gears.  Angles are of the pair's own driving gear.
 
-    A pair transmits the power that its driven gear's shaft takes; friction between the teeth is not counted.  The first
-    of two pairs turns the shaft between them, whose inertia the whole machine counts; the last pair turns only the
-    crank.
+    A pair transmits the power that its driven gear's shaft takes; friction between the teeth is not counted.  Of pairs
+    in series, ``number`` is the pair's place from 0 on; all but the last turn a shaft between, whose inertia the whole
+    machine counts.
     """
 
     load: LoadBy
@@ -42,6 +42,7 @@ class ToothLoad:
     pair: Pair
     place: MeshPlace
     turns_crank: bool
+    number: int = 0
     jam_n_mm: float | None = None
 
     def torque_n_mm(self, angle_rad: Array) -> Array:
@@ -49,7 +50,9 @@ class ToothLoad:
         loads = self.machine.at(self.pair.shaft_rad(angle_rad))
         if self.turns_crank:
             return loads.driven_torque.value
-        return self.passed_on_n_mm(loads.driving_torque.value, angle_rad)
+        # Without masses the shafts between take nothing, and their laws are left out.
+        passed = loads.passed[min(self.number, len(loads.passed) - 1)]
+        return self.passed_on_n_mm(passed.value, angle_rad)
 
     @property
     def loads_return(self) -> bool:
@@ -71,7 +74,7 @@ class ToothLoad:
 
         Two pairs in series are computed together (``ncgear.project.forces.train_borne_by``).
         """
-        return self.load == "masses" and self.machine.between is None
+        return self.load == "masses" and not self.machine.laws_before
 
     def mesh_force(self, angle_rad: Array, torque_n_mm: Array | None = None) -> MeshForce:
         """Normal force of all pairs of teeth together; ``torque_n_mm`` if it is known already."""
@@ -109,9 +112,9 @@ def asked_of(drive: Geared) -> ToothLoad:
     Raises WrongInput where there is neither, nor a jam, and where there are two pairs and the drive has no stage.
     """
     pair, place, design = drive.pair, mesh_place(drive.gears, drive.pitch.center_distance_mm), drive.design
-    last = drive.stage in (None, design.stages)
+    of = drive.stage in (None, design.stages), (drive.stage or 1) - 1
     if design.masses is not None:
-        return ToothLoad("masses", drive.loaded_machine(drive.machine), pair, place, last)
+        return ToothLoad("masses", drive.loaded_machine(drive.machine), pair, place, *of)
     if design.resistance is None and design.strength.overload is None:
         raise WrongInput(
             "missing, and so are masses; the load of the teeth follows from the force against the slider, from the "
@@ -121,11 +124,11 @@ def asked_of(drive: Geared) -> ToothLoad:
     machine = RigidMachine(drive.machine, drive.linkage.MASSES())
     jam = drive.conditions.overload
     if design.resistance is not None:
-        found = ToothLoad("resistance", machine, pair, place, last)
+        found = ToothLoad("resistance", machine, pair, place, *of)
         # A resistance of zero everywhere leaves only the jam.
         if jam is None or np.any(found.torque_n_mm(sample_angles(pair.transmission))):
             return found
-    return ToothLoad("jam", machine, pair, place, last, None if jam is None else jam.driving_n_mm)
+    return ToothLoad("jam", machine, pair, place, *of, None if jam is None else jam.driving_n_mm)
 
 
 def tooth_load(drive: Geared) -> ToothLoad:

@@ -65,13 +65,12 @@ def _inertias_of(drive: Geared) -> Callable[[Array], tuple[Array, Array]]:
         ]
         return lambda phi1: (np.full(phi1.shape, discs[0]), np.full(phi1.shape, discs[1]))
     masses, machine = asked.machine.masses, asked.machine.machine
-    between = asked.machine.between is not None
-    first = masses.between_inertia_kg_mm2 if between and asked.turns_crank else masses.driving_shaft_kg_mm2
+    shafts = masses.driving_shaft_kg_mm2, *masses.between_inertia_kg_mm2
 
     def inertias(phi1: Array) -> tuple[Array, Array]:
-        driving = np.full(phi1.shape, first)
+        driving = np.full(phi1.shape, shafts[asked.number])
         if not asked.turns_crank:
-            return driving, np.full(phi1.shape, masses.between_inertia_kg_mm2)
+            return driving, np.full(phi1.shape, shafts[asked.number + 1])
         crank = machine.transmission.driven_angle(asked.pair.shaft_rad(phi1), 0).value
         moving = machine.linkage.moving_masses(Jet.variable(crank, 2), masses)
         return driving, reduced_inertia(moving, masses)[0]

@@ -344,6 +344,15 @@ class PairsInSeries:
     pairs: tuple[Pair, ...]
 
 
+def turned_after(laws: Sequence[Transmission], phi1: Array, order: int) -> list[Jet]:
+    """The angles in rad of the driven gears of pairs in series with these laws, by the angle of the first shaft."""
+    angles = [Jet.variable(phi1, order)]
+    for law in laws:
+        outer = law.driven_angle(angles[-1].value, order)
+        angles.append(jet.polynomial(outer.coefficients, angles[-1] - angles[-1].value))
+    return angles[1:]
+
+
 def on_driving_shaft(transmission: Transmission) -> Pair:
     """A pair whose driving gear is on the driving shaft."""
     return Pair(transmission, np.ones_like, np.asarray)

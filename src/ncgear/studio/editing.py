@@ -19,7 +19,7 @@ from ruamel.yaml.error import YAMLError
 from ncgear.design.beginning import begun, fault_of
 from ncgear.design.laws.registry import LawName
 from ncgear.design.mechanisms import MECHANISMS, NO_LINKAGE
-from ncgear.design.reading.design_file import design_of
+from ncgear.design.reading.design_file import LoadedTrain, as_it_is
 from ncgear.design.reading.places import Document, with_value
 from ncgear.design.reading.text import whole
 from ncgear.design.reading.yaml import read_yaml
@@ -192,11 +192,13 @@ class ChangingText:
         self._document = Document(None, {})
         self._drive: Drive | None = None
 
-    def drive(self, text: str, changes: Mapping[str, Any], path: Path) -> Drive:
-        """The drive of a text with changes by key; a fault names the line of the text."""
+    def made(self, text: str, changes: Mapping[str, Any], path: Path) -> Drive | LoadedTrain:
+        """The drive, or the train, of a text with changes by key; a fault names the line of the text."""
         if text != self._text:
             self._document, self._text = read_yaml(text, str(path)), text
-        loaded = design_of(with_values(self._document, values_of(text, changes)), text, path)
+        loaded = as_it_is(text, path, with_values(self._document, values_of(text, changes)))
+        if isinstance(loaded, LoadedTrain):
+            return loaded
         before = self._drive
         self._drive = drive_like(before, loaded.design, loaded) if before else Drive(loaded.design, loaded=loaded)
         return self._drive
@@ -229,7 +231,7 @@ def lacking(text: str, changes: Mapping[str, Any], path: Path) -> dict[str, str]
 def _faults(document: Document, text: str, path: Path) -> dict[str, str]:
     """The faults of a design by their keys."""
     try:
-        design_of(document, text, path)
+        as_it_is(text, path, document)
     except WrongInput as error:
         return {one.key: one.problem for one in (error, *error.others)}
     return {}

@@ -17,6 +17,7 @@ from ncgear.design.reading.messages import fields_of
 from ncgear.design.reading.text import whole
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.reference import Key, allowed, choices, default_words, example, is_list, law_of, unit_of
+from ncgear.design.trains.registry import TrainFile, train_models
 from ncgear.numerics.units import label_and_unit
 
 Row = dict[str, Any]
@@ -53,11 +54,19 @@ def form(data: Any) -> list[Row]:
     start.
     """
     given = data if isinstance(data, dict) else {}
-    return list(_rows(design_model(given), given, "", ""))
+    return list(_rows(_model_of_file(given), given, "", ""))
+
+
+def _model_of_file(given: Mapping[str, Any]) -> type[BaseModel]:
+    """The model of a design, or of a train of the kind that is named; a train of no known kind has the first."""
+    if "train" not in given:
+        return design_model(given)
+    kinds, train = train_models(), given["train"]
+    return kinds.get(str(train.get("kind")) if isinstance(train, dict) else "", next(iter(kinds.values())))
 
 
 def _rows(model: type[BaseModel], given: Mapping[str, Any], above: str, law: str) -> Iterator[Row]:
-    root = design_model({})
+    root = TrainFile if above.startswith("train") or "train" in model.model_fields else design_model({})
     for name, field in fields_of(model).items():
         path = f"{above}.{name}" if above else name
         key = Key(path, law, model, field)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from ncgear.design.reading.design_file import LoadedTrain
 from ncgear.drawings.charts.slider_charts import Quantity
 from ncgear.drawings.page.data import scene_data
 from ncgear.drawings.page.motion_charts import cycle_angles_rad, motion_charts
@@ -13,15 +14,17 @@ from ncgear.drawings.scene.scene import Scene, scene_of, scene_of_teeth, scene_w
 from ncgear.errors import DesignError
 from ncgear.project.drive import Drive
 from ncgear.studio.drawing import require_or_fit
-from ncgear.studio.messages import Answer
+from ncgear.studio.messages import Answer, Asked
 from ncgear.studio.motion_answers import live, power_needs_gears
 
 
-def gear_answers(drive: Drive) -> Iterator[Answer]:
+def gear_answers(drive: Asked) -> Iterator[Answer]:
     """The machine and its teeth: ``power`` where it counts them, ``scene``, and again with bore and holes.
 
     Where the gears of the design cannot be made, ``bare`` is the mechanism without them.
     """
+    if isinstance(drive, LoadedTrain):
+        return
     try:
         scene = scene_of_teeth(drive)
     except DesignError:
@@ -36,7 +39,7 @@ def gear_answers(drive: Drive) -> Iterator[Answer]:
         yield "scene", _shown(scene_of(drive), gears=True)
 
 
-def contact_answers(drive: Drive) -> Iterator[Answer]:
+def contact_answers(drive: Asked) -> Iterator[Answer]:
     """Answers about the teeth: ``teeth``, ``strength``, each ``chart``, ``verdict``; for refused teeth ``fitted``."""
     from ncgear.drawings.page.page import stage_name
     from ncgear.drawings.page.page_charts import charts_of_pair
@@ -45,7 +48,7 @@ def contact_answers(drive: Drive) -> Iterator[Answer]:
     from ncgear.figures.answers.machine import gear_facts
     from ncgear.studio.told import drawn_charts, safety_facts, table_data, verdict_data
 
-    if drive.design.gears is None:
+    if isinstance(drive, LoadedTrain) or drive.design.gears is None:
         return
     pairs = [(stage_name(pair), pair) for pair in drive.by_stage]
     yield from require_or_fit(drive)

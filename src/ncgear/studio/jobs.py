@@ -16,7 +16,7 @@ from pathlib import Path
 from time import time
 from typing import Any
 
-from ncgear.design.reading.design_file import parsed
+from ncgear.design.reading.design_file import LoadedDesign, as_it_is
 from ncgear.design.rewritten import design_copy
 from ncgear.errors import WrongInput
 from ncgear.files.one_file import put_in_place
@@ -30,13 +30,14 @@ class Command:
     arguments: tuple[str, ...]
     out: str = ""
     file: str = ""
+    takes_trains: bool = False
 
 
 COMMANDS: Mapping[str, Command] = {
-    "build": Command("Build all files", ("build",)),
-    "report": Command("Report as one page", ("report",)),
-    "animate": Command("Animation", ("animate",), file="mechanism.gif"),
-    "simulate": Command("Forces of the masses", ("simulate",), out="-rigid"),
+    "build": Command("Build all files", ("build",), takes_trains=True),
+    "report": Command("Report as one page", ("report",), takes_trains=True),
+    "animate": Command("Animation", ("animate",), file="mechanism.gif", takes_trains=True),
+    "simulate": Command("Forces of the masses", ("simulate",), out="-rigid", takes_trains=True),
     "optimize": Command("Best law", ("optimize",), out="-optimized"),
     "design": Command("Find the machine", ("design",), out="-machines"),
     "frontier": Command("Power against acceleration", ("frontier", "--points=8"), out="-frontier"),
@@ -163,9 +164,9 @@ class Job:
 
 def _copied(text: str, path: Path, folder: Path) -> Path:
     """A copy of the edited text that needs no other file, in a folder of its own; raises as reading the text does."""
-    loaded = parsed(text, path)
-    copy = design_copy(loaded, {}) if loaded.source.from_files else text
-    place = folder / f"{loaded.design.name}.yaml"
+    loaded = as_it_is(text, path)
+    copy = design_copy(loaded, {}) if isinstance(loaded, LoadedDesign) and loaded.source.from_files else text
+    place = folder / f"{loaded.source.data['name']}.yaml"
     put_in_place(place, copy.encode())
     return place
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from math import isfinite
 from typing import Any
 
+from ncgear.design.reading.design_file import LoadedTrain
 from ncgear.errors import DesignError, WrongInput, fault_words, located
 from ncgear.project.drive import Drive
 
@@ -57,14 +58,16 @@ def _number(text: str) -> float:
 
 Answer = tuple[str, Any]
 
-Answers = Callable[[Drive], Iterator[Answer]]
+Asked = Drive | LoadedTrain
+
+Answers = Callable[[Asked], Iterator[Answer]]
 
 
-def guarded(answers: Answers, drive: Callable[[], Drive]) -> Iterator[Answer]:
-    """The answers about a drive; where they cannot be given for any reason, a refusal."""
+def guarded(answers: Answers, asked: Callable[[], Asked]) -> Iterator[Answer]:
+    """The answers about a drive or a train; where they cannot be given for any reason, a refusal."""
     part = "design"
     try:
-        made = drive()
+        made = asked()
         with located(made.places):
             for name, content in answers(made):
                 part = name

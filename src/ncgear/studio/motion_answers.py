@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ncgear.design.reading.design_file import LoadedTrain
 from ncgear.drawings.charts.slider_charts import Quantity
 from ncgear.drawings.page.chart_figure import PageChart
 from ncgear.drawings.page.data import MORE_DECIMALS, paces, shaft_tables
@@ -21,7 +22,7 @@ from ncgear.numerics.arrays import Array, IndexArray, distinct
 from ncgear.project.drive import Drive
 from ncgear.studio.drawing import drawing_of
 from ncgear.studio.handles import handles
-from ncgear.studio.messages import Answer
+from ncgear.studio.messages import Answer, Asked
 
 FIRST = (Quantity.VELOCITY, Quantity.ACCELERATION, Quantity.POWER, Quantity.RATIO)
 """The charts that a designer looks at first; they are drawn first."""
@@ -30,8 +31,11 @@ LIVE_POINTS = 400
 """Points of a line that is redrawn during a drag: one for each pixel or two of a chart."""
 
 
-def motion_answers(drive: Drive) -> Iterator[Answer]:
+def motion_answers(drive: Asked) -> Iterator[Answer]:
     """Law, motion, power: ``motion``, ``drawing``, ``figures``, each ``chart``, ``verdict``, ``best`` of all laws."""
+    if isinstance(drive, LoadedTrain):
+        yield from train_answers(drive)
+        return
     try:
         scene = scene_without_gears(drive)
     except NoSuchMechanism:
@@ -71,6 +75,22 @@ def motion_answers(drive: Drive) -> Iterator[Answer]:
     yield from drawn_charts(sorted(charts, key=lambda one: first.index(one.key) if one.key in first else len(first)))
     yield "verdict", verdict_data(judged(drive, KnownParts.MOTION))
     yield "best", saved(drive.design)
+
+
+def train_answers(loaded: LoadedTrain) -> Iterator[Answer]:
+    """``scene``, ``motion``, ``figures`` and ``verdict`` of a train, which are what ``ncgear check`` tells of it."""
+    from ncgear.drawings.page.train_page import train_advices, train_facts
+    from ncgear.drawings.page.train_scene import train_scene
+    from ncgear.figures.trains import NOT_BUILT, train_answer
+
+    file, train = loaded.file, loaded.file.train.train()
+    yield "scene", train_scene(train)
+    running = {"loop": train.cycle_rad, "swings": False, "paces": [asdict(one) for one in paces(abs(train.speed_rpm))]}
+    yield "motion", {**running, "shafts": [], "charts": [], "handles": []}
+    told = train_answer(file.name, file.description, train, (*train.told.conditions, *NOT_BUILT), "")
+    yield "figures", {"facts": train_facts(told), "crank": "", "achieved": [], "tables": []}
+    advices = train_advices(told)
+    yield "verdict", {"advices": advices, "good": "" if advices else told.good, "not_judged": told.not_judged}
 
 
 def power_needs_gears(drive: Drive) -> bool:

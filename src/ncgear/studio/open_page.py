@@ -15,8 +15,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from ncgear.design.reading.design_file import parsed
-from ncgear.design.reading.text import shortened
+from ncgear.design.reading.design_file import as_it_is
+from ncgear.design.reading.text import has_train, shortened
 from ncgear.design.rewritten import document_of
 from ncgear.errors import WrongInput
 from ncgear.studio.chains import Chains
@@ -242,8 +242,8 @@ class OpenPage:
 
     async def _run(self, name: Any, text: str) -> None:
         command = require_command(name)
-        loaded = await asyncio.to_thread(parsed, text, self.file.path)
-        design = loaded.design.name
+        loaded = await asyncio.to_thread(as_it_is, text, self.file.path)
+        design = loaded.source.data["name"]
         folder = self.out / f"{design}{command.out}"
         for job in running_jobs.values():
             if job.folder == folder:
@@ -361,6 +361,7 @@ class OpenPage:
             "difference": difference(saved, text, self.file.path.name),
             "undo": len(self.history.past),
             "redo": len(self.history.future),
+            "commands": [name for name, one in COMMANDS.items() if one.takes_trains or not has_train(text)],
             "jobs": [self._plain(job) for job in self.jobs.values()],
         }
 

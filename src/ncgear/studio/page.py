@@ -19,7 +19,7 @@ from ncgear.design.beginning import begun
 from ncgear.design.laws.base import Begins
 from ncgear.design.laws.registry import SOUGHT_LAW, LawName, law_keys
 from ncgear.design.mechanisms import NO_LINKAGE
-from ncgear.design.reading.design_file import parsed
+from ncgear.design.reading.design_file import LoadedDesign, as_it_is
 from ncgear.design.rewritten import design_copy
 from ncgear.design.template import CHOICES, SHAPES, MachineName, shape_template
 from ncgear.drawings.page.assets import PACKAGE, hash_of, in_own_scope, page_style, shared_script
@@ -186,6 +186,7 @@ def _worked() -> Iterator[tuple[Path, str]]:
 
 def _copied(path: Path, name: str) -> str:
     """A worked design under another name, without other files that it needs."""
-    loaded = parsed(path.read_text(encoding="utf-8"), path)
-    text = design_copy(loaded, {}) if loaded.source.from_files else path.read_text(encoding="utf-8")
-    return text if name == loaded.design.name else edited(text, {"name": name})
+    loaded = as_it_is(text := path.read_text(encoding="utf-8"), path)
+    if isinstance(loaded, LoadedDesign) and loaded.source.from_files:
+        text = design_copy(loaded, {})
+    return text if name == loaded.source.data["name"] else edited(text, {"name": name})

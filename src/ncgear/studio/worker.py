@@ -170,10 +170,10 @@ def main() -> None:
     answers, followed = [(chain, answers_of(chain)) for chain in chains], ChangingText()
     while True:
         request = requests.next()
-        drive = cache(partial(followed.drive, request["text"], request["changes"], Path(request["path"])))
+        made = cache(partial(followed.made, request["text"], request["changes"], Path(request["path"])))
         for chain, of_chain in answers:
             try:
-                _answer(requests, out, (chain, request["n"], chain == chains[-1]), guarded(of_chain, drive))
+                _answer(requests, out, (chain, request["n"], chain == chains[-1]), guarded(of_chain, made))
             except KeyboardInterrupt:
                 break
 

@@ -17,6 +17,9 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Mesh
 
+MARGIN = 0.04
+"""Margin of pictures, as a share of their larger side."""
+
 GROUND = "ground"
 """``fixed_to`` of a part that stands still."""
 
@@ -176,6 +179,30 @@ class Train:
         while part.fixed_to in names:
             part = self.part(part.fixed_to)
         return part.fixed_to or part.name
+
+    def tint(self, part: Part) -> int:
+        """A small number of a part that differs from those of all parts with which it meshes."""
+        tints: dict[str, int] = {}
+        for one in self.parts:
+            taken = {
+                tints.get(m.second if m.first == one.name else m.first, -1)
+                for m in self.meshes
+                if one.name in (m.first, m.second)
+            }
+            tints[one.name] = next(number for number in range(len(taken) + 1) if number not in taken)
+        return tints[part.name]
+
+    def room_mm(self) -> tuple[Array, Array]:
+        """The corners, shape (2,), of the smallest upright rectangle with a margin in which all parts stay."""
+        poses, corners = self.poses_at(np.linspace(0.0, self.cycle_rad, 61)), []
+        for number, part in enumerate(self.parts):
+            axis, turn = poses.places(number)
+            placed = axis[:, None] + turn[:, None] * (part.outline_mm @ np.array([1.0, 1.0j]))
+            low, high = (np.array([end(placed.real), end(placed.imag)]) for end in (np.min, np.max))
+            corners.append((low - (part.rim_mm or 0.0), high + (part.rim_mm or 0.0)))
+        low, high = np.min(corners, axis=0)[0], np.max(corners, axis=0)[1]
+        margin = MARGIN * float((high - low).max())
+        return low - margin, high + margin
 
     def trace_mm(self, trace: Trace, driving_rad: Array) -> Array:
         """Places of a followed point at driving angles in rad, shape (n,), as points of shape (n, 2)."""

@@ -48,9 +48,6 @@ OFFERED = {
 }
 """What is offered in place of keys that a row of gears refuses, or why it refuses them."""
 
-MOST_PAIRS_WITH_MASSES = 2
-"""Most pairs in series whose shaft between counts in power and knocks."""
-
 
 class Design(Model, Shown):
     """A design file: the person's values, and nothing computed."""
@@ -322,7 +319,6 @@ class Design(Model, Shown):
         material, driving, driven = gears.material, gears.driving.model_dump(), gears.driven.model_dump()
         asked = {
             "linkage": not isinstance(self.linkage, NoLinkage),
-            "masses": self.masses is not None,
             "motion.law": self.motion.is_open or self.motion.pairs_in_series > 1,
             "strength.overload": self.strength.overload is not None,
             "gears.pairs": gears.pairs > 1,
@@ -360,11 +356,14 @@ class Design(Model, Shown):
         for why, holds in reasons.items():
             if holds:
                 yield fault("gears.pairs", f"{pairs} given, but {why}; leave one of them out")
-        if pairs > MOST_PAIRS_WITH_MASSES and self.masses is not None:
+
+    def _shafts_between_have_inertia(self) -> Faults:
+        shafts, given = max(self.stages - 1, 1), self.masses.shafts_between_kg_mm2 if self.masses else ()
+        if given and len(given) != shafts:
             yield fault(
-                "masses",
-                f"given, but the shafts between {pairs} pairs are not counted; leave it out, or gears.pairs: "
-                f"{MOST_PAIRS_WITH_MASSES} is right",
+                "masses.shaft_between_kg_mm2",
+                f"{len(given)} given, but {shafts} shafts turn between {COUNTS[self.stages]} pairs of gears; give one "
+                "moment of inertia for each, or leave it out",
             )
 
 

@@ -13,7 +13,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from ncgear.design.keys.base import Faults, Model, Place, Positive, Speed, fault, optional, required
+from ncgear.design.keys.base import Faults, Model, Place, Positive, Several, Speed, fault, optional, required
 from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.units import STANDARD_GRAVITY_M_S2
 
@@ -100,9 +100,9 @@ class GearMasses(Model):
     driven_gear_kg_mm2: Inertia | None = optional(
         "moment of inertia of the driven gear in kg mm2, the last one of two pairs; left out: its own body"
     )
-    shaft_between_kg_mm2: Inertia | None = optional(
-        "moment of inertia in kg mm2 of the shaft between two pairs of gears in series, with both its gears; left out: "
-        "these gears' own bodies"
+    shaft_between_kg_mm2: Inertia | Several[Inertia] | None = optional(
+        "moment of inertia in kg mm2 of the shaft between two pairs of gears in series, with its gears; between more "
+        "pairs a list of them, from the driving shaft on; left out: these gears' own bodies"
     )
     density_kg_m3: float | None = optional(
         "density of all gears in kg/m3; left out: densities of gears.material, 7850 without it", gt=0.0, le=30000.0
@@ -111,6 +111,12 @@ class GearMasses(Model):
     driven_flywheel_kg_mm2: Inertia = optional(
         "moment of inertia in kg mm2 of a flywheel on the driven shaft; left out: none", 0.0
     )
+
+    @property
+    def shafts_between_kg_mm2(self) -> tuple[float, ...]:
+        """The given moments of inertia of all shafts between; empty where they are left out."""
+        given = self.shaft_between_kg_mm2
+        return given if isinstance(given, tuple) else () if given is None else (given,)
 
 
 class DrivenShaftMasses(GearMasses, first=True):

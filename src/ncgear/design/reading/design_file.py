@@ -108,6 +108,14 @@ def parsed(text: str, path: Path) -> LoadedDesign:
     return design_of(read_yaml(text, str(path)), text, path)
 
 
+def as_it_is(text: str, path: Path, document: Document | None = None) -> LoadedDesign | LoadedTrain:
+    """As ``parsed``, by the values of the text if they are known; the file of a train is read as a train."""
+    document = document or read_yaml(text, str(path))
+    if isinstance(document.data, dict) and "train" in document.data:
+        return _train_of(document)
+    return design_of(document, text, path)
+
+
 def design_of(document: Document, text: str, path: Path) -> LoadedDesign:
     """A design from the values of its text; raises the errors of reading the text."""
     if not isinstance(document.data, dict):
@@ -121,8 +129,9 @@ def refuse_train(document: Document, needed: str) -> None:
     """Refuse the file of a train of gears if another file is needed; raises WrongInput with the commands that work."""
     if "train" in document.data:
         problem = (
-            "the file has a train of gears, which `ncgear check`, `build` and `animate` take, of planetary trains also "
-            f"`strength` and `tolerance`, and of chains `report`, `compare` and `sweep`, too; this needs {needed}"
+            "the file has a train of gears, which `ncgear check`, `build`, `report`, `animate` and `studio` take, of "
+            "planetary trains also `strength` and `tolerance`, and of chains `simulate`, `compare` and `sweep`, too; "
+            f"this needs {needed}"
         )
         raise WrongInput(problem, key="train", location=str(document.place("train")))
 
@@ -179,6 +188,11 @@ class LoadedTrain:
 
     file: TrainFile
     source: Source
+
+    @property
+    def places(self) -> Source:
+        """The places of the values."""
+        return self.source
 
 
 def load_train(path: Path) -> LoadedTrain:

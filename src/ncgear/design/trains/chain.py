@@ -9,6 +9,7 @@ from pydantic import Field
 
 from ncgear.design.keys.base import FORMULA, Expression, Faults, Length, Several, fault, optional, required
 from ncgear.design.keys.gears import MOST_IDLERS, Bend, Lobe
+from ncgear.design.keys.masses import DrivenShaftMasses
 from ncgear.design.trains.base import RatedGears, RatedTrain
 from ncgear.errors import WrongInput, below, renamed
 
@@ -60,6 +61,7 @@ class Chain(RatedTrain):
         "place of a ratio; a circle about its axis makes all gears round"
     )
     gears: ChainGears = required("the teeth and the bodies of all gears")
+    masses: DrivenShaftMasses | None = optional("inertia of what turns, which ncgear simulate needs; left out: none")
 
     def _both_flanks_of_idlers_push(self) -> Faults:
         pushing, idle = self.gears.rack.angles_deg
@@ -84,7 +86,11 @@ class Chain(RatedTrain):
             "motion": self._motion,
             "gears": gears,
             "output": {"chord_tolerance_mm": self.gears.chord_mm(self.gears.module_mm)},
-            **{key: given[key] for key in ("resistance", "strength", "tolerances") if given.get(key) is not None},
+            **{
+                key: given[key]
+                for key in ("resistance", "masses", "strength", "tolerances")
+                if given.get(key) is not None
+            },
         }
 
     @property
@@ -112,7 +118,7 @@ class Chain(RatedTrain):
         bends = [radians(bend) for bend in self.bends_deg] or [0.0] * idlers
         directions = np.cumsum([0.0, *bends]).tolist()
         gears = self.gears
-        with renamed("motion", "train"):
+        with renamed("motion", "train"), renamed("motion.expression_mm", "train.idler_radius"):
             first = self._first(Lobes(self.lobes[0], self.lobes[1]))
         with below("train"), renamed("motion", "ratio"):
             laws = row_laws(first, self.lobes, directions, BENDS)
@@ -124,16 +130,8 @@ class Chain(RatedTrain):
 
     def _first(self, lobes: Lobes) -> Transmission:
         """The law of the first mesh."""
-        from ncgear.ratio.laws.curve_shapes import formula_curve
-        from ncgear.ratio.laws.expression import ratio_expression_law
-        from ncgear.ratio.laws.pitch_curve import GivenCurve, closed_law
-        from ncgear.ratio.laws.uniform import uniform_law
+        from ncgear.design.laws.registry import LawName, law_keys
+        from ncgear.mechanisms.driven_shaft import DrivenShaft
 
-        if self.idler_radius is not None:
-            key = "train.idler_radius"
-            curve = formula_curve(self.idler_radius, key)
-            given = GivenCurve(lambda _: curve, None, drawn=True, driven=True, phase_rad=0.0, key=key)
-            return closed_law(given, lobes, None).transmission
-        if self.ratio is None:
-            return uniform_law(lobes)
-        return ratio_expression_law(self.ratio, lobes, scale_to_close=True)
+        motion = law_keys(LawName(self._motion["law"])).model_validate(self._motion)
+        return motion.law_on(DrivenShaft(), lobes).transmission

@@ -222,16 +222,16 @@ def _link_tables(linkage: Mechanism) -> dict[str, Any]:
         return np.reshape(found, (shares.size, 2, angle.size)).swapaxes(0, 1) * shares[:, None]
 
     tables = iter(_tables(curves, 0.0, 2.0 * pi))
-    return {name: {key: _link_table(next(tables), scale) for key, scale in scales.items()} for name in names}
+    return {name: {key: link_table(next(tables), scale) for key, scale in scales.items()} for name in names}
 
 
-def _link_table(table: Array, scale: float) -> dict[str, Any]:
+def link_table(table: Array, scale: float) -> dict[str, Any]:
     """A table of a link with the places and slopes times ``scale``; a link at rest needs only both ends."""
     at, value, slope = table if table[2].any() else table[:, [0, -1]]
     value, slope = scale * value, scale * slope
     rise = float(value[-1] - value[0])
     values, slopes = (_rounded(column, LINK_DECIMALS + _more(scale)) for column in (value, slope))
-    return {"period": 2.0 * pi, "rise": rise, "at": at.tolist(), "value": values, "slope": slopes}
+    return {"period": float(at[-1]), "rise": rise, "at": at.tolist(), "value": values, "slope": slopes}
 
 
 ANGLE_DECIMALS = 9

@@ -75,13 +75,11 @@ def report_page(
         "speed": shown(drive.design.operation.speed_rpm),
         "achieved": achieved_lines(drive.achieved, drive.linkage) if drive.achieved else [],
         "comparison": comparison_tables(comparison_rows(drive)),
+        "compared": "Comparison",
         "uniform": drive.linkage.UNIFORM,
         "load": drive.linkage.OUTPUT.load_name,
         "text": loaded.text,
         "file_name": loaded.path.name,
-        "versions": versions(),
-        "plain": ToothLinks(),
-        "ncgear_version": __version__,
     }
     solids = [solid_view(pair.solids, pair.pitch.center_distance_mm, stage_name(pair)) for pair, _ in pairs]
     svg = Markup(scene_svg(scene))
@@ -99,7 +97,7 @@ def report_page(
         ],
         "paces": paces(drive.design.operation.speed_rpm),
     }
-    return _rendered({**about_design, **about_pairs, **moving})
+    return rendered({**about_design, **about_pairs, **moving})
 
 
 def stage_name(pair: Drive) -> str:
@@ -107,14 +105,15 @@ def stage_name(pair: Drive) -> str:
     return f"Stage {pair.stage}" if pair.stage else ""
 
 
-def _rendered(content: Mapping[str, Any]) -> bytes:
+def rendered(content: Mapping[str, Any]) -> bytes:
     """The page with the given content, whose text is escaped; only the page's own script may run."""
     environment = Environment(loader=PackageLoader(PACKAGE, ""), autoescape=True, undefined=StrictUndefined)
     environment.policies["json.dumps_kwargs"] = JSON_FORM
     template = environment.get_template("template.html.j2")
     css, script = page_style(), in_own_scope(shared_script(), asset("script/page.js"))
     policy = _policy([hash_of(script), *(view.script_hash for view in content["solids"])])
-    return template.render(**content, css=Markup(css), script=Markup(script), policy=policy).encode()
+    made = {"versions": versions(), "plain": ToothLinks(), "ncgear_version": __version__}
+    return template.render(**content, **made, css=Markup(css), script=Markup(script), policy=policy).encode()
 
 
 def _policy(hashes: Sequence[str]) -> str:

@@ -109,7 +109,7 @@ def _material(chamber: Chamber) -> str:
 
 def _bodies(scene: Scene) -> Iterator[str]:
     tolerance = _link_tolerance_mm(scene)
-    output, links = ([_body(link, tolerance) for link in some] for some in (scene.links[:1], scene.links[1:]))
+    output, links = ([body_svg(link, tolerance) for link in some] for some in (scene.links[:1], scene.links[1:]))
     gears = [_gear(pair, gear) for pair in scene.pairs for gear in (pair.driving, pair.driven)]
     yield from output
     yield from (*links, *gears) if scene.crank_is_behind else (*gears, *links)
@@ -120,10 +120,11 @@ def _gear(pair: ScenePair, gear: SceneGear) -> str:
     grid = grid_mm(tolerance)
     curve = simplified([gear.pitch_curve_mm], tolerance)
     extra = f'<path class="pitch-curve" d="{closed_path(curve, grid)}"/>'
-    return _body(gear.body, tolerance, extra)
+    return body_svg(gear.body, tolerance, extra)
 
 
-def _body(body: Body, tolerance_mm: float, extra: str = "") -> str:
+def body_svg(body: Body, tolerance_mm: float, extra: str = "") -> str:
+    """The group of a body, its outline with a tolerance; ``extra`` are further paths in steps of the grid."""
     grid = grid_mm(tolerance_mm)
     outline = closed_path(simplified(body.contours_mm, tolerance_mm), grid)
     if body.edges_mm:

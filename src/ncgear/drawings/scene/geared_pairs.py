@@ -11,18 +11,18 @@ same direction.  All axes are on one line.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import cos, pi, radians, sin
+from math import cos, pi, sin
 
 import numpy as np
 from shapely import Polygon
 
-from ncgear.design.keys.gears import Gears
 from ncgear.drawings.scene.bodies import Body, BodyKind, BodyPlaces
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad
 from ncgear.project.drive import Drive
+from ncgear.project.tooth_form import driving_axes_rad
 from ncgear.solids.plan.areas import rings
 from ncgear.solids.plan.body import BodyPlan, circle_points
 
@@ -173,21 +173,12 @@ def scene_pairs(drive: Drive, shape: Callable[[Drive, Gear], GearShape] = whole_
         return ()
     pitches = [pair.pitch for pair in drive.by_stage]
     distances = [pitch.center_distance_mm for pitch in pitches]
-    found = mountings([pitch.mesh for pitch in pitches], distances, _driving_axes_rad(gears, len(pitches)))
+    found = mountings([pitch.mesh for pitch in pitches], distances, driving_axes_rad(gears, len(pitches)))
     pairs = []
     for number, (pair, mounting) in enumerate(zip(drive.by_stage, found, strict=True)):
         driving, driven = (_gear(pair, gear, number, mounting, *shape(pair, gear)) for gear in Gear)
         pairs.append(ScenePair(pair.pitch, pair.pitch.size.module_mm, mounting, driving, driven))
     return tuple(pairs)
-
-
-def _driving_axes_rad(gears: Gears, count: int) -> list[float]:
-    """The directions to the driving axis of each pair; a row of an even number of pairs is seen from behind."""
-    last = radians(gears.driving_axis_deg)
-    if gears.idlers is None:
-        return [last] * count
-    turned, hand = gears.idlers.directions_rad, 1.0 if count % 2 else -1.0
-    return [last + hand * (one - turned[-1]) for one in turned]
 
 
 def _gear(drive: Drive, gear: Gear, number: int, mounting: Mounting, section: Polygon, edges: list[Array]) -> SceneGear:

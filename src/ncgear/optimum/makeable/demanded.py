@@ -39,7 +39,7 @@ OF_LOADS = {figure: DEMANDS[figure] for figure in LOAD_LIMITS if figure in DEMAN
 
 def knows_loads(task: Task, wishes: Wishes) -> bool:
     """Whether the limit covers power and torque: not with a shaft of inertia between two pairs, which moves freely."""
-    return wishes.two_stages is None or not task.moving.between_inertia_kg_mm2
+    return wishes.two_stages is None or not any(task.moving.between_inertia_kg_mm2)
 
 
 def demands_of(task: Task, wishes: Wishes, case: Case = NO_CASE) -> Demands:

@@ -117,7 +117,7 @@ def slider_at(task: Task, crank_angle_rad: Array) -> Slider:
     pressing = task.load.backwards_n(np.clip(displacement.value, 0.0, task.linkage.stroke_mm), returning)
     first, second, third = (displacement.derivative(order) for order in range(1, ORDER + 1))
     logarithm = np.log(np.hypot(first, STANDING * task.linkage.stroke_mm))
-    between = N_PER_KG_MM_S2 * task.moving.between_inertia_kg_mm2
+    between = N_PER_KG_MM_S2 * sum(task.moving.between_inertia_kg_mm2)
     return Slider(first, second, third, pressing, *_load_columns(task, crank_angle_rad, pressing))._replace(
         log_first=logarithm, between=np.full(crank_angle_rad.size, between)
     )

@@ -32,7 +32,7 @@ from ncgear.numerics.jet import Jet
 from ncgear.ratio.laws.closed_curve import ClosedCurve, SmoothPart
 from ncgear.ratio.laws.integrated import smooth_or_refused
 from ncgear.ratio.laws.pitch_curve import GivenCurve, closed_law
-from ncgear.ratio.transmission import Lobes, Pair, PairsInSeries, Piece, Transmission, on_driving_shaft
+from ncgear.ratio.transmission import Lobes, Pair, PairsInSeries, Piece, Transmission, on_driving_shaft, turned_after
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,11 +139,7 @@ def _driven_curve(law: Transmission) -> ClosedCurve:
 
 def row_angle(laws: Sequence[Transmission], phi1: Array, order: int) -> Jet:
     """The angle of the last gear of meshes with these laws by that of the driving gear, in rad."""
-    angle = Jet.variable(phi1, order)
-    for law in laws:
-        outer = law.driven_angle(angle.value, order)
-        angle = jet.polynomial(outer.coefficients, angle - angle.value)
-    return angle
+    return turned_after(laws, phi1, order)[-1]
 
 
 def row_train(laws: Sequence[Transmission]) -> PairsInSeries:

@@ -66,7 +66,7 @@ function createForm(place, find, acts) {
   function build(rows, shape) {
     const { open } = state;
     // On a phone all groups begin closed, so that every one of them is in reach; one that comes back is as it was.
-    if (!state.shape && innerWidth > NARROW) ["motion", "gears", "operation", "linkage"].forEach((path) => open.add(path));
+    if (!state.shape && innerWidth > NARROW) ["motion", "gears", "operation", "linkage", "train", "train.gears"].forEach((path) => open.add(path));
     for (const one of place.querySelectorAll("details")) open[one.open ? "add" : "delete"](one.dataset.path);
     const focused = document.activeElement?.closest?.("[data-path]")?.dataset.path;
     state.shape = shape;

@@ -85,6 +85,7 @@ function start() {
     if (document.activeElement !== at("text")) at("text").value = content.text;
     at("difference").textContent = content.difference || "Nothing.";
     if (content.form) form.show(content.form);
+    for (const one of document.querySelectorAll("[data-run]")) one.hidden = !content.commands.includes(one.dataset.run);
     making.showAll(content.jobs);
     document.body.dataset.asked = message.n;
   }
@@ -100,6 +101,7 @@ function start() {
     machine.follow(content, n);
     board.follow(content, n);
     at("points").hidden = !content.handles.length;
+    document.querySelector("#curves > .hint").hidden = !content.charts.length;
     setPaces(content.paces);
     clock.fit(content.loop / RAD, content.swings);
   }
