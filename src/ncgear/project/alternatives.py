@@ -172,7 +172,9 @@ def changed_drive(drive: Drive, changes: Changes) -> Drive:
 
 
 def is_accepted(design: Design, changes: Changes) -> bool:
-    """Whether a file may have the changes below ``gears``: a row of gears, for one, has no helical teeth."""
+    """Whether the file may have the changes: a row of gears, for one, has no helical teeth."""
+    if any(design.key_in_file(key) is None for key in changes):
+        return False
     asked = {key: value for key, value in changes.items() if key.startswith("gears.")}
     if not asked or design.gears is None:
         return True
