@@ -234,7 +234,7 @@ def _enough(
 
 
 def deciding_loads(drive: Drive, rating: Rating) -> dict[tuple[Gear, Damage], Load]:
-    """The deciding load of the weakest tooth of each gear, by damage: the law, knocks or a jam."""
+    """The deciding load of the weakest tooth of each gear, by damage: the law, knocks, swings or a jam."""
     from ncgear.drivetrain.jam import Load, deciding
 
     judged, found = drive.judged_teeth(rating.strength.method), dict[tuple[Gear, Damage], Load]()
@@ -246,6 +246,7 @@ def deciding_loads(drive: Drive, rating: Rating) -> dict[tuple[Gear, Damage], Lo
         elif borne is None:
             found[one.gear, one.damage] = "law"
         else:
-            torques: dict[Load, float] = {"law": abs(borne.asked(here)[0]), "knocks": abs(borne.at(here)[0])}
+            followed: Load = "knocks" if borne.knocks else "swings"
+            torques: dict[Load, float] = {"law": abs(borne.asked(here)[0]), followed: abs(borne.at(here)[0])}
             found[one.gear, one.damage] = deciding(torques)
     return found

@@ -105,10 +105,10 @@ def _about(drive: Drive, rating: Rating) -> list[Row]:
         for key, (most, load) in deciding_forces(drive).items()
     )
     rows = [
+        ("jam", jam_words(drive, rating)),
         ("teeth", gear_rows(drive)["teeth"]),
         ("material", materials_words(drive, strength)),
         ("force", f"up to {force} on one pair of teeth, times {jolts_words(drive)}"),
-        ("jam", jam_words(drive, rating)),
         ("knocks", f"{knocks}; the loads hold what they add" if (knocks := knock_words(loading.knocks)) else ""),
         ("decided", deciding_words(drive, rating)),
         ("rim", rim_words(drive, rating)),
