@@ -7,7 +7,7 @@ from math import radians
 from typing import Literal
 
 from ncgear.design.keys.base import listed
-from ncgear.figures.advice.values import Advice, Kind, Remedy, changed
+from ncgear.figures.advice.values import Advice, Kind, Remedy, changed, in_file
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.answer import Answer, Fault, Row, faults_of
 from ncgear.figures.answers.machine import gear_rows
@@ -166,7 +166,7 @@ def sized_answer(
             *(Row(f"module {cells[0]} mm", tuple(cells[1:])) for cells in map(sized_row, found)),
             Row("material", (materials_words(first.drive, strength),)),
             Row("wanted", (f"safeties of {listed(wanted, 'and')}",)),
-            Row("first", (", ".join(map(str, changed(first.changes))),)),
+            Row("first", (", ".join(map(str, in_file(design, changed(first.changes)))),)),
             *([Row("helix", (helix,))] if (helix := _helical_words(first, herringbone)) else []),
             *([Row("left out", (f"{listed(left_out, 'and')}: of other gears",))] if left_out else []),
         ),
