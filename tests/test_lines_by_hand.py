@@ -310,7 +310,7 @@ def test_a_helix_bridges_a_gap_by_what_it_advances_over_the_face(gap: float, wid
         gears=gears,
         designed_contact=contact,
         rack=rack,
-        design=Made(motion=Made(is_open=False)),
+        design=Made(motion=Made(is_open=False), key_in_file=str),
     )
     advance = tan(radians(bridging_helix(drive).get("gears.helix.angle_deg", 0.0))) * width
     wanted = WIDER * gap * 2.0 * pi

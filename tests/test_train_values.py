@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from dataclasses import replace
 from math import acos, atan, cos, pi, radians, sin
 from types import SimpleNamespace
@@ -12,6 +13,8 @@ import pytest
 import shapely
 from scipy.optimize import brentq
 
+from ncgear.design.trains.base import with_sound_bodies
+from ncgear.errors import WrongInput
 from ncgear.pitch.pair import sized_pair
 from ncgear.pitch.shape import Mesh
 from ncgear.ratio.laws.uniform import uniform_law
@@ -376,11 +379,14 @@ def test_a_counterweight_is_told_that_takes_a_tenth_off(left: float, balanced: b
 
 
 def test_sizes_of_a_part_and_what_is_seen_from_behind() -> None:
-    """The widest bore of a rectangle about a point 3 mm from its side; a reflected train turns the other way."""
+    """The largest bore of a rectangle about a point 3 mm from its side; a reflected train turns the other way."""
     bar = Part(
         "bar", np.array([[-10.0, -3.0], [50.0, -3.0], [50.0, 7.0], [-10.0, 7.0]]), 5.0, holes=(PinHole(40.0, 2.0, 4.0),)
     )
-    assert bar.widest_bore_mm == pytest.approx(6.0)
+    for bore_mm, fits in ((5.9, True), (6.0, False)):
+        bored = replace(carried(), parts=(*carried().parts, replace(bar, bore_mm=bore_mm)))
+        with nullcontext() if fits else pytest.raises(WrongInput, match="no wall in bar; the largest that fits is"):
+            assert with_sound_bodies(bored) is bored
     assert replace(bar, rim_mm=2.0).reach_mm == pytest.approx(np.hypot(50.0, 7.0) + 2.0)
     above = replace(bar, low_mm=5.0)
     assert (bar.overlaps(above), bar.overlaps(replace(above, low_mm=4.9)), above.overlaps(bar)) == (False, True, False)

@@ -449,8 +449,16 @@ def test_gears_on_a_carrier_have_no_power_of_gears_on_fixed_axes(run: Run, comma
         ("teeth: 18", "teeth: 18.5", "mine.yaml:6:11: train.gears.teeth: 18.5 given; a whole number is needed"),
         ("teeth: 18", "tooth: 18", "mine.yaml:6:11: train.gears.tooth: unknown key"),
         ("module_mm: 2, ", "", "mine.yaml:6:3: train.gears: module_mm or center_distance_mm is missing"),
-        ("teeth: 18", "bore_mm: 40, teeth: 18", "train.gears.bore_mm: 40 mm leaves no wall in sun; less than 2"),
-        ("teeth: 18", "bore_mm: 20, teeth: 18", "train.gears.bore_mm: 20 mm leaves no wall in carrier; less than 1"),
+        (
+            "teeth: 18",
+            "bore_mm: 40, teeth: 18",
+            "bore_mm: 40 mm leaves no wall in carrier; the largest that fits is 1",
+        ),
+        (
+            "teeth: 18",
+            "bore_mm: 20, teeth: 18",
+            "bore_mm: 20 mm leaves no wall in carrier; the largest that fits is 1",
+        ),
         ("teeth: 18", "chord_tolerance_mm: 1, teeth: 18", "train.gears.chord_tolerance_mm: 1 mm are 0.5 of the module"),
         ("backlash_mm: 0.05", "backlash_mm: 9", "train.gears.backlash_mm: 9 mm takes more than 80%"),
     ],

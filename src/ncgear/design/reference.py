@@ -8,6 +8,7 @@ example is the value of the template, or else an allowed value.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from functools import cache
 from threading import Lock
 from typing import Any
@@ -95,7 +96,24 @@ def keys_of(root: type[BaseModel]) -> list[Key]:
 
 
 def told_keys_of(root: type[BaseModel]) -> list[ToldKey]:
-    """The words for all keys of a file whose model is ``root``."""
+    """The words for all keys of a file whose model is ``root``; a key whose meaning differs between kinds, for each."""
+    if root is not TrainFile:
+        return _told(root)
+    kinds = {name: _told(model) for name, model in train_models().items()}
+    alike: dict[str, dict[str, list[tuple[str, ToldKey]]]] = {}
+    for name, keys in kinds.items():
+        for key in keys:
+            alike.setdefault(key.path, {}).setdefault(key.meaning, []).append((name, key))
+    return [
+        replace(having[0][1], meaning=f"of {listed([name for name, _ in having], 'and')}: {meaning}")
+        if len(meanings) > 1
+        else having[0][1]
+        for meanings in alike.values()
+        for meaning, having in meanings.items()
+    ]
+
+
+def _told(root: type[BaseModel]) -> list[ToldKey]:
     return [
         ToldKey(
             path=key.path,
@@ -236,6 +254,8 @@ TEETH_OF_TRAIN = "{teeth: 28, module_mm: 2, face_width_mm: 10}"
 KNOWN = {
     "train": f"{{kind: planetary, speed_rpm: 60, ratio: [1.3, 1, 0.8, 1], gears: {TEETH_OF_TRAIN}}}",
     "train.ratio": "[1.3, 1, 0.8, 1]",
+    "ChainTrain.ratio": '"1 + 0.2*cos(phi)"',
+    "MovingAxisTrain.ratio": '"1 + 0.2*cos(phi)"',
     "train.gears": TEETH_OF_TRAIN,
     "train.path": "{points_mm: [[0, 0], [-60, 70], [-95, 180], [-40, 225], [20, 180], [22, 75]]}",
     "path.points_mm": "[[0, 0], [-60, 70], [-95, 180], [-40, 225], [20, 180], [22, 75]]",
@@ -314,6 +334,8 @@ def _known(key: Key) -> str:
     """The example of a key from its law, or from KNOWN by the longest end of its path; empty if there is none."""
     if key.law and key.name in (examples := law_keys(LawName(key.law)).EXAMPLES):
         return examples[key.name]
+    if (of_kind := f"{key.model.__name__}.{key.name}") in KNOWN:
+        return KNOWN[of_kind]
     ends = [end for end in KNOWN if f".{key.path}".endswith(f".{end}")]
     return KNOWN[max(ends, key=len)] if ends else ""
 

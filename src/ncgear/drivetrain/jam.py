@@ -29,8 +29,8 @@ from ncgear.numerics.highest import largest_of_each
 from ncgear.numerics.jet import Jet
 from ncgear.pitch.shape import Gear
 
-Load = Literal["law", "knocks", "jam"]
-"""Load of a part: the forces of the law, of teeth that knock, or of a jam."""
+Load = Literal["law", "knocks", "swings", "jam"]
+"""Load of a part: the law, teeth that knock, a driven side that swings on its teeth, or a jam."""
 
 MORE = 1e-6
 """Relative difference of two loads that exceeds rounding errors."""

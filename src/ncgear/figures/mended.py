@@ -10,7 +10,7 @@ from ncgear.design.keys.base import listed
 from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.design.rewritten import told_copy
 from ncgear.errors import DesignError
-from ncgear.figures.advice.values import changed
+from ncgear.figures.advice.values import changed, in_file
 from ncgear.figures.numbers import to_digits
 from ncgear.figures.tables import WIDTH
 from ncgear.figures.terminal import INDENT
@@ -62,12 +62,12 @@ def in_lines(said: Sequence[str]) -> str:
 def found_words(found: Mend) -> str:
     """A change and its figures."""
     ratio, angle = to_digits(found.contact_ratio, 3), to_digits(found.pressure_angle_deg, 3)
-    return f"{changes_words(found.way)} (contact ratio {ratio}, pressure angle {angle} deg)"
+    return f"{changes_words(found)} (contact ratio {ratio}, pressure angle {angle} deg)"
 
 
-def changes_words(way: MendingWay) -> str:
-    """The keys of a change and their values."""
-    return listed(map(str, changed(way.changes)), "and")
+def changes_words(found: Mend) -> str:
+    """The keys of a change, as the file has them, and their values."""
+    return listed(map(str, in_file(found.drive.design, changed(found.way.changes))), "and")
 
 
 def tried_words(ways: Sequence[MendingWay]) -> str:
@@ -104,5 +104,5 @@ def _words(kind: MendingSubject, alike: Sequence[MendingWay]) -> str:
 
 def mended_design(loaded: LoadedDesign, found: Mend) -> str:
     """The text of a design file with a change, its name and description saying so; its comments stay."""
-    said = f"Mended: {loaded.design.name} with {changes_words(found.way)}, without which its teeth are refused."
+    said = f"Mended: {loaded.design.name} with {changes_words(found)}, without which its teeth are refused."
     return told_copy(loaded, SUFFIX, said, found.way.changes)

@@ -105,15 +105,20 @@ def strength_figures(drive: Drive, rating: Rating, verdict: Verdict, beside: Rat
     return found | verdict_summary(verdict)
 
 
-DECIDING: dict[Load, str] = {"law": "what the law asks", "knocks": "knocks", "jam": "the jam"}
+DECIDING: dict[Load, str] = {
+    "law": "what the law asks",
+    "knocks": "knocks",
+    "swings": "swings of the driven side on its teeth",
+    "jam": "the jam",
+}
 """The words for the load under which a part is the weakest."""
 
 
 def deciding_words(drive: Drive, rating: Rating) -> str:
-    """The same in a line; empty where there are neither knocks nor a jam."""
-    if not rating.loading.knocks and drive.conditions.overload is None:
-        return ""
+    """The same in a line; empty where there is nothing beside the law."""
     found = deciding_loads(drive, rating)
+    if not rating.loading.knocks and drive.conditions.overload is None and set(found.values()) == {"law"}:
+        return ""
     return decided_words({f"{gear.value} {damage.words}": load for (gear, damage), load in found.items()}, "rows")
 
 

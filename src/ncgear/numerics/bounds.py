@@ -9,6 +9,10 @@ DIGITS = 5
 """Significant digits of a bound."""
 
 
+PLAIN = 1e12
+"""Bounds below this are written without a power of ten."""
+
+
 def shown_above(value: float, digits: int = DIGITS) -> str:
     """The value rounded up to ``digits`` significant digits: as text it is never below the value."""
     return _shown(value, digits, ROUND_CEILING)
@@ -28,7 +32,8 @@ def _shown(value: float, digits: int, way: str) -> str:
     if value == 0.0 or not isfinite(value):
         return f"{value + 0.0:g}"
     last = Decimal(1).scaleb(floor(log10(abs(value))) - digits + 1)
-    return f"{_rounded(value, last, way):.{digits + 1}g}"
+    bound = _rounded(value, last, way)
+    return f"{bound:.0f}" if 10.0**digits <= abs(bound) < PLAIN else f"{bound:.{digits + 1}g}"
 
 
 def _rounded(value: float, step: Decimal, way: str) -> float:

@@ -172,7 +172,9 @@ def changed_drive(drive: Drive, changes: Changes) -> Drive:
 
 
 def is_accepted(design: Design, changes: Changes) -> bool:
-    """Whether a file may have the changes below ``gears``: a row of gears, for one, has no helical teeth."""
+    """Whether the file may have the changes: a row of gears, for one, has no helical teeth."""
+    if any(design.key_in_file(key) is None for key in changes):
+        return False
     asked = {key: value for key, value in changes.items() if key.startswith("gears.")}
     if not asked or design.gears is None:
         return True
@@ -363,11 +365,13 @@ def bridging_helix(drive: Drive) -> Changes:
 def may_be_helical(drive: Drive) -> bool:
     """Whether teeth are straight and helical ones can be made in their place.
 
-    They cannot on rings, in rows, on gears that turn less than once, by other methods, and with keys of the process.
+    They cannot on rings, in rows and trains, on gears that turn less than once, by other methods, and with keys of the
+    process.
     """
     from ncgear.project.gear_solids import PROCESS
 
-    straight = drive.helix is None and drive.gears.method == "exact"
+    may_say_so = drive.design.key_in_file("gears.helix.kind") is not None
+    straight = drive.helix is None and drive.gears.method == "exact" and may_say_so
     kept_from = drive.pitch.driven.is_ring or drive.design.motion.is_open or drive.gears.idlers is not None
     return straight and not kept_from and not any(getattr(drive.gears, key) for key in PROCESS)
 

@@ -15,7 +15,7 @@ from ncgear.design.keys.gears import MOST_TEETH
 from ncgear.errors import DesignError
 from ncgear.frozen import dataclass
 from ncgear.interrupts import TimeIsOver, at_most
-from ncgear.project.alternatives import Changes, changed_drive, resized
+from ncgear.project.alternatives import Changes, changed_drive, is_accepted, resized
 from ncgear.project.drive import Drive
 
 MOST_FINER = 10
@@ -107,7 +107,7 @@ def steepest_helix(pair: Drive, good: Good, seconds: float) -> Least:
 def _least(
     pair: Drive, changes: Callable[[int], Changes], good: Good, seconds: float, numbers: tuple[int, int, int]
 ) -> Least:
-    """The least number, from ``low`` on, with whose changes a pair is good and can be made."""
+    """The least number, from ``low`` on, with whose changes a pair is good, can be made, and may be in the file."""
     begun, failed, is_whole = process_time(), list[int](), True
 
     def does(count: int, is_so: Good) -> bool | None:
@@ -130,6 +130,8 @@ def _least(
         return True
 
     low, most, each = numbers
+    if not is_accepted(pair.design, changes(low + each)):
+        return Least({}, {}, True)
     # Contact of the outlines takes longest, and hardly ever refuses good gears
     while found := fewest(lambda count: does(count, is_good), low, most, each, needed=float(low + each)):
         answer = does(found, is_made)

@@ -193,6 +193,8 @@ def refusal_of_teeth(drive: Drive) -> DesignError | None:
     with located(drive.places):
         for pair in drive.by_stage:
             require_pushing_flanks(pair.pitch, pair.gears.rack)
+        if drive.gears.idlers is not None:
+            drive.whole.row  # noqa: B018
     try:
         require_made(drive)
     except NoSuchMechanism as error:

@@ -16,7 +16,7 @@ from pydantic import ValidationError
 from ncgear.errors import DesignError, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.pitch.shape import Gear
-from ncgear.project.alternatives import Changes, changed_drive, may_be_helical, with_helix
+from ncgear.project.alternatives import Changes, changed_drive, is_accepted, may_be_helical, with_helix
 from ncgear.project.drive import Drive
 from ncgear.strength.answer import Strength
 from ncgear.strength.holding import (
@@ -195,6 +195,8 @@ def strong_enough(drive: Drive, rating: Rating) -> Changes:
 
 
 def _holds(drive: Drive, rating: Rating, changes: Changes) -> bool:
+    if not is_accepted(drive.design, changes):
+        return False
     try:
         return rating_of(changed_drive(drive, changes), rating.strength.method).holds
     except (DesignError, ValidationError):
@@ -219,7 +221,7 @@ def _enough(
     for _ in range(TRIALS):
         size_mm *= factor(found.weakest)
         tried = changes(size_mm)
-        if tried is None:
+        if tried is None or not is_accepted(drive.design, tried):
             return {}
         try:
             found = rating_of(changed_drive(drive, tried), rating.strength.method)
@@ -232,7 +234,7 @@ def _enough(
 
 
 def deciding_loads(drive: Drive, rating: Rating) -> dict[tuple[Gear, Damage], Load]:
-    """The deciding load of the weakest tooth of each gear, by damage: the law, knocks or a jam."""
+    """The deciding load of the weakest tooth of each gear, by damage: the law, knocks, swings or a jam."""
     from ncgear.drivetrain.jam import Load, deciding
 
     judged, found = drive.judged_teeth(rating.strength.method), dict[tuple[Gear, Damage], Load]()
@@ -244,6 +246,7 @@ def deciding_loads(drive: Drive, rating: Rating) -> dict[tuple[Gear, Damage], Lo
         elif borne is None:
             found[one.gear, one.damage] = "law"
         else:
-            torques: dict[Load, float] = {"law": abs(borne.asked(here)[0]), "knocks": abs(borne.at(here)[0])}
+            followed: Load = "knocks" if borne.knocks else "swings"
+            torques: dict[Load, float] = {"law": abs(borne.asked(here)[0]), followed: abs(borne.at(here)[0])}
             found[one.gear, one.damage] = deciding(torques)
     return found

@@ -20,6 +20,7 @@ from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
 from ncgear.ratio.laws.row import beta_rad, row_train
 from ncgear.ratio.transmission import Transmission
+from ncgear.solids.plan.room import INNER_WALL_IN_MODULES
 from ncgear.teeth.backlash import require_teeth
 from ncgear.teeth.fitting import PairTips, least_contact_ratio
 from ncgear.teeth.flank import Flanks
@@ -172,11 +173,11 @@ def train_of_gears(
     told: TrainFigures,
 ) -> Train:
     """The row as a train, of the driving gear of its first mesh and the driven gears of all."""
-    parts, axes = [], row.axes_mm
+    parts, axes, wall_mm = [], row.axes_mm, INNER_WALL_IN_MODULES * row.pairs[0].size.module_mm
     for number, gear in enumerate(gears):
         # The outline is made for a driven gear, which turns clockwise; gears 2, 4, ... turn counter-clockwise.
         outline = mirrored(gear.outline_mm) if number and number % 2 == 0 else gear.outline_mm
-        parts.append(Part(f"gear_{number + 1}", outline, width_mm, gear.teeth, bore_mm=bore_mm))
+        parts.append(Part(f"gear_{number + 1}", outline, width_mm, gear.teeth, bore_mm=bore_mm, wall_mm=wall_mm))
     sense = np.where(np.arange(row.count) % 2, -1.0, 1.0)[:, None]
     standing = np.array([row.directions_rad[0], *row.directions_rad])[:, None]
 

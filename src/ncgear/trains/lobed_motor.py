@@ -32,6 +32,7 @@ from ncgear.pitch.curve import ClosedPitchCurve
 from ncgear.pitch.lobed import LobedCurves
 from ncgear.pitch.rolled import circle
 from ncgear.pitch.shape import Gear, Mesh
+from ncgear.solids.plan.room import INNER_WALL_IN_MODULES
 from ncgear.teeth.backlash import require_teeth
 from ncgear.teeth.fitting import PairTips, fitted_pair, least_contact_ratio
 from ncgear.teeth.flank import flanks_of
@@ -190,9 +191,9 @@ def motor_train(
     with below("train"), _keys_of_motors():
         gears = motor_gears(curves, teeth, tolerance_mm)
     width, names = bodies.face_width_mm, [f"planet_{number + 1}" for number in range(curves.planets)]
-    outline = gears.planet.outline_mm
+    outline, wall_mm = gears.planet.outline_mm, INNER_WALL_IN_MODULES * teeth.rack.module_mm
     parts = [
-        Part("sun", gears.sun.outline_mm, width, gears.sun.teeth, bore_mm=bodies.bore_mm),
+        Part("sun", gears.sun.outline_mm, width, gears.sun.teeth, bore_mm=bodies.bore_mm, wall_mm=wall_mm),
         Part("ring", gears.ring.outline_mm, width, gears.ring.teeth, rim_mm=bodies.rim_mm, fixed_to=GROUND),
         *(Part(name, outline, width, gears.planet.teeth) for name in names),
     ]

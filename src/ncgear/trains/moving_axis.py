@@ -16,6 +16,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.pitch.moving_axes import MovingAxes
 from ncgear.pitch.shape import Gear
+from ncgear.solids.plan.room import INNER_WALL_IN_MODULES
 from ncgear.teeth.backlash import require_teeth
 from ncgear.teeth.fitting import fitted_pair, least_contact_ratio
 from ncgear.teeth.flank import flanks_of
@@ -89,8 +90,9 @@ def moving_train(
     """The pair as a train; ``radius_mm`` is the pitch radius of a round driving gear.  Raises as ``moving_gears``."""
     with below("train"):
         gears = moving_gears(axes, teeth, form, tolerance_mm)
+    wall_mm = INNER_WALL_IN_MODULES * form.rack.module_mm
     parts = tuple(
-        Part(name, gear.outline_mm, face_width_mm, gear.teeth, bore_mm=bore_mm)
+        Part(name, gear.outline_mm, face_width_mm, gear.teeth, bore_mm=bore_mm, wall_mm=wall_mm)
         for name, gear in (("driving", gears.driving), ("driven", gears.driven))
     )
 

@@ -255,12 +255,13 @@ def stand_of(motion: TipMotion) -> Stand:
 
 @dataclass(frozen=True)
 class Bodies:
-    """Heights and bores of the parts in mm, and the rim of a ring in place of the sun."""
+    """Heights and bores of the parts in mm, the rim of a ring in place of the sun, walls of gears about bores."""
 
     face_width_mm: float
     bore_mm: float | None
     bar_width_mm: float
     rim_mm: float | None = None
+    wall_mm: float = 0.0
 
 
 def planetary_train(
@@ -299,7 +300,8 @@ def planetary_train(
 
     fixed = GROUND if sun_turns == 0.0 else ""
     bore_mm = bodies.bore_mm if bodies.rim_mm is None else None
-    parts.append(Part(sun.name, sun.outline_mm, width, sun.teeth, 0.0, bore_mm, bodies.rim_mm, fixed))
+    wall_mm = bodies.wall_mm
+    parts.append(Part(sun.name, sun.outline_mm, width, sun.teeth, 0.0, bore_mm, bodies.rim_mm, fixed, (), wall_mm))
     ways.append(way_of(sun.place, sun.angle, 0))
     traces = []
     for number in range(arms):
@@ -307,11 +309,8 @@ def planetary_train(
         named = {sun.name: sun.name} | {gear.name: gear.name + end for gear in others}
         for gear in others:
             body = f"{gear.fixed_to}{end}" if gear.fixed_to else ""
-            parts.append(
-                Part(
-                    named[gear.name], gear.outline_mm, width, gear.teeth, step * gear.layer, bodies.bore_mm, None, body
-                )
-            )
+            made = named[gear.name], gear.outline_mm, width, gear.teeth, step * gear.layer
+            parts.append(Part(*made, bodies.bore_mm, None, body, (), wall_mm))
             ways.append(way_of(gear.place, gear.angle, number))
         meshes += [GearMesh(named[one], named[other], chain.kind) for one, other in chain.meshes]
         if arm is not None:
@@ -330,7 +329,7 @@ def planetary_train(
         return Poses(places.real, places.imag, angles)
 
     cycle = 2.0 * pi / abs(against)
-    made = Train(
+    train = Train(
         tuple(parts),
         tuple(meshes),
         poses_at,
@@ -341,7 +340,7 @@ def planetary_train(
         TrainFigures(""),
         tuple(traces),
     )
-    return seen_from_behind(made) if stand.clockwise else made
+    return seen_from_behind(train) if stand.clockwise else train
 
 
 def _bar_mm(axes: Sequence[complex], width_mm: float, tolerance_mm: float) -> Array:

@@ -40,7 +40,8 @@ class Part:
     ``outline_mm`` (shape (n, 2), counter-clockwise, first point not repeated) is in the part's own frame, whose origin
     is the axis about which it turns.  For a ring it is the toothed hole, and ``rim_mm`` is the thickness outside the
     deepest root; other parts have None.  The part reaches from ``low_mm`` to ``low_mm + face_width_mm`` along z.
-    ``fixed_to`` names the part, or GROUND, to which it is fixed as one body; empty if it is free.
+    ``fixed_to`` names the part, or GROUND, to which it is fixed as one body; empty if it is free.  ``wall_mm`` is the
+    least material that the bore has to leave.
     """
 
     name: str
@@ -52,19 +53,12 @@ class Part:
     rim_mm: float | None = None
     fixed_to: str = ""
     holes: tuple[PinHole, ...] = ()
+    wall_mm: float = 0.0
 
     @property
     def reach_mm(self) -> float:
         """Greatest distance of the part from its axis."""
         return float(np.hypot(*self.outline_mm.T).max()) + (self.rim_mm or 0.0)
-
-    @property
-    def widest_bore_mm(self) -> float:
-        """The diameter of the greatest circle about the axis within the outline, 0 where the axis is outside of it."""
-        start = self.outline_mm @ np.array([1.0, 1.0j])
-        along = np.roll(start, -1) - start
-        nearest = np.clip(-(start * along.conj()).real / np.abs(along) ** 2, 0.0, 1.0)
-        return 2.0 * float(np.abs(start + nearest * along).min())
 
     def overlaps(self, other: Part) -> bool:
         """Whether both parts have heights in common."""

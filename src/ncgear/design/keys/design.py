@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import cache, reduce
 from operator import or_
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union
 
-from pydantic import Field, TypeAdapter, create_model
+from pydantic import Field, PrivateAttr, TypeAdapter, create_model
 
 from ncgear.design.keys.base import FILE_FORMAT, Faults, FileFormat, Model, fault, given, optional, required
 from ncgear.design.keys.choices import Choices
@@ -100,6 +100,20 @@ class Design(Model, Shown):
     )
     outline: FollowedOutline | None = optional("how ncgear fit follows a drawn outline; check and build take no notice")
     output: Output = optional("how finely the results are written", Output)
+
+    _of_train: frozenset[str] | None = PrivateAttr(default=None)
+
+    def of_train(self, keys: Iterable[str]) -> Self:
+        """The design as the machine of a train, whose file has only ``keys``, and has them below ``train``."""
+        made = self.model_copy()
+        made._of_train = frozenset(keys)
+        return made
+
+    def key_in_file(self, key: str) -> str | None:
+        """The key by which the file changes a key of the design and nothing else; None where it has none."""
+        if self._of_train is None:
+            return key
+        return f"train.{key}" if key in self._of_train else None
 
     def __reduce_ex__(self, protocol: Any) -> Any:
         """Pickle a model that was made for a mechanism by its data, because pickle cannot find its class by name."""

@@ -252,7 +252,9 @@ class Idlers(Model):
 
     def _faults(self) -> Faults:
         if self.bends_deg and len(self.bends_deg) != len(self.lobes):
-            yield fault("bends_deg", f"{len(self.bends_deg)} given for {len(self.lobes)} idlers; as many are right")
+            yield fault(
+                "bends_deg", f"{len(self.bends_deg)} given for {len(self.lobes)} idlers; {len(self.lobes)} are right"
+            )
 
     @property
     def directions_rad(self) -> tuple[float, ...]:

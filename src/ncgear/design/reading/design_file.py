@@ -100,7 +100,8 @@ def _as_machine(document: Document, text: str, *, for_loads: bool) -> tuple[Docu
     written_as = given | {key: f"train.{name}" for key, name in names.items()}
     places = {**document.places, **{key: document.place(name) for key, name in written_as.items()}}
     text = "".join(f"{key}: {json.dumps(value)}\n" for key, value in data.items())
-    return Document(data, places, written_as), text
+    alone = frozenset(key for key in names if f"{key}.".startswith(file.train.alone))
+    return Document(data, places, written_as, alone), text
 
 
 def parsed(text: str, path: Path) -> LoadedDesign:
@@ -141,7 +142,8 @@ def _design(document: Document, text: str, path: Path) -> LoadedDesign:
     source = Source(document, values_from_files(document, path, FILES))
     with located(source):
         require_known_kind(document.data)
-    return LoadedDesign(checked(design_model(document.data), source), path, source, text)
+    design = checked(design_model(document.data), source)
+    return LoadedDesign(design.of_train(document.alone) if document.written_as else design, path, source, text)
 
 
 MAPPING = Path("mapping")

@@ -69,7 +69,10 @@ def _wrong_input(found: list[Problem], source: Source) -> WrongInput:
     own_file = source.place("").file
     placed = [(source.place(problem.key), problem) for problem in found]
     placed.sort(key=lambda item: (item[0].file != own_file, item[0].line, item[0].column))
-    first, *others = (WrongInput(one.text, key=one.key, location=str(place)) for place, one in placed[:MOST_PROBLEMS])
+    first, *others = (
+        WrongInput(one.text, key=source.as_written(one.key), location=str(place))
+        for place, one in placed[:MOST_PROBLEMS]
+    )
     if len(placed) > MOST_PROBLEMS:
         others.append(WrongInput(f"and {len(placed) - MOST_PROBLEMS} more"))
     return WrongInput(first.problem, key=first.key, location=first.location, others=others)

@@ -44,6 +44,9 @@ NAME, WANTED, CHAIN = "ncgear-name", "ncgear-wanted", "ncgear-chain"
 UNREADABLE = (ValueError, ArithmeticError, TypeError, LookupError, AttributeError, SyntaxError, RecursionError)
 """Errors of the libraries for files that they cannot read."""
 
+CUT_OFF = 3, 5, 6, 20
+"""Codes of expat for files that end before the first element, a token, a character or a section ends."""
+
 SHORT = {"d": "M0,0 1,0", "points": "0,0 1,0"}
 """What stands in place of a long chain of chords."""
 
@@ -88,6 +91,8 @@ def svg_contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
         height_mm = mm * float(document.height)
     except UNREADABLE as error:
         said = " ".join(str(error).split())
+        if getattr(error, "code", None) in CUT_OFF:
+            raise WrongInput("ends in the middle; the whole file is right", location=str(file)) from error
         if isinstance(error, RecursionError):
             said = "elements use each other without end"
         raise WrongInput(f"is no SVG file that can be read: {quoted(said)}", location=str(file)) from error

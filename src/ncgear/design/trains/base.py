@@ -15,7 +15,6 @@ from ncgear.design.keys.machine import CHORD_MM, COARSEST_IN_MODULES, Output, Sh
 from ncgear.design.keys.strength import StrengthKeys, WrittenMaterials
 from ncgear.design.keys.tolerances import AssemblyTolerances
 from ncgear.errors import WrongInput, renamed
-from ncgear.numerics.bounds import shown_below
 
 if TYPE_CHECKING:
     from ncgear.teeth.form import ToothForm
@@ -50,24 +49,15 @@ class TrainKeys(Model):
         Raises WrongInput and NoSuchMechanism with keys that begin with ``train``, such as ``train.gears.module_mm``.
         """
         with renamed("train.output", "train.gears"):
-            made = self._made()
-        for part in made.parts:
-            if part.bore_mm is not None and part.bore_mm >= part.widest_bore_mm:
-                raise WrongInput(
-                    f"{part.bore_mm:g} mm leaves no wall in {part.name}; less than "
-                    f"{shown_below(part.widest_bore_mm, 4)} mm is right",
-                    key="train.gears.bore_mm",
-                )
-            if part.rim_mm is not None and part.rim_mm <= RIM_IN_TOLERANCES * made.tolerance_mm:
-                raise WrongInput(
-                    f"{part.rim_mm:g} mm is lost in the chord tolerance of {made.tolerance_mm:g} mm; over "
-                    f"{RIM_IN_TOLERANCES * made.tolerance_mm:.3g} mm is right",
-                    key="train.gears.rim_mm",
-                )
-        return made
+            return with_sound_bodies(self._made())
 
     WRITTEN_AS: ClassVar[Mapping[str, str]] = {}
     """The keys of ``machine`` that have other names in the train, by these names below ``train``."""
+
+    @property
+    def alone(self) -> tuple[str, ...]:
+        """Beginnings of keys, as ``gears.``, of which the train's and the machine's of one name change the same."""
+        return ("gears.", "strength.", "tolerances.")
 
     def machine(self) -> dict[str, Any] | None:
         """The keys of the same gears in the file of one machine, by themselves, so that every command takes them.
@@ -79,6 +69,38 @@ class TrainKeys(Model):
     @abstractmethod
     def _made(self) -> Train:
         """The train of the keys of its kind; raises the errors of ``train``."""
+
+
+def with_sound_bodies(train: Train) -> Train:
+    """The train; raises WrongInput where a bore leaves no wall, with the largest bore, or a rim is too thin."""
+    from shapely import Polygon
+
+    from ncgear.solids.plan.areas import said_largest
+    from ncgear.solids.plan.body import Bore
+    from ncgear.solids.plan.room import has_room, largest_bore_mm
+
+    tight, tolerance_mm = list[tuple[float, str, float]](), train.tolerance_mm
+    for part in train.parts:
+        if part.rim_mm is not None and part.rim_mm <= RIM_IN_TOLERANCES * tolerance_mm:
+            raise WrongInput(
+                f"{part.rim_mm:g} mm is lost in the chord tolerance of {tolerance_mm:g} mm; over "
+                f"{RIM_IN_TOLERANCES * tolerance_mm:.3g} mm is right",
+                key="train.gears.rim_mm",
+            )
+        if part.bore_mm is None:
+            continue
+        room = Polygon(part.outline_mm), Bore(part.bore_mm), part.wall_mm, tolerance_mm
+        if not has_room(*room):
+            tight.append((largest_bore_mm(*room), part.name, part.wall_mm))
+    if tight:
+        largest_mm, name, wall_mm = min(tight)
+        left = f"less than {wall_mm:g} mm, one module, to the teeth of" if wall_mm else "no wall in"
+        right = said_largest(largest_mm, "none fits; larger gears are needed")
+        raise WrongInput(
+            f"{train.part(name).bore_mm:g} mm leaves {left} {name}; {right}",
+            key="train.gears.bore_mm",
+        )
+    return train
 
 
 class RatedTrain(TrainKeys):

@@ -11,7 +11,7 @@ from ncgear.design.keys.base import FORMULA, Expression, Faults, Length, Several
 from ncgear.design.keys.gears import MOST_IDLERS, Bend, Lobe
 from ncgear.design.keys.masses import DrivenShaftMasses
 from ncgear.design.trains.base import RatedGears, RatedTrain
-from ncgear.errors import WrongInput, below, renamed
+from ncgear.errors import DesignError, below, renamed
 
 if TYPE_CHECKING:
     from ncgear.ratio.transmission import Lobes, Transmission
@@ -71,8 +71,19 @@ class Chain(RatedTrain):
                 f"{idle:g} given, but both flanks of an idler push; leave it out, or {pushing:g} is right",
             )
 
+    def _each_idler_has_its_bend(self) -> Faults:
+        gears, idlers, bends = len(self.lobes), len(self.lobes) - 2, len(self.bends_deg)
+        if bends and bends != idlers:
+            yield fault("bends_deg", f"{bends} given, but {gears} gears have {idlers} idlers; {idlers} are right")
+
     def machine(self) -> dict[str, Any]:
-        """A pair of gears by themselves whose driven gear drives the others."""
+        """A pair of gears by themselves whose driven gear drives the others; raises WrongInput for too large a bore."""
+        try:
+            self.train()
+        except DesignError as refused:
+            # All else is refused where it is computed, with what would help
+            if refused.key == "train.gears.bore_mm":
+                raise
         given = self.model_dump(by_alias=True, exclude_unset=True)
         body = {"bore_mm": self.gears.bore_mm} if self.gears.bore_mm else {}
         kept = ("teeth", "module_mm", "face_width_mm", "rack", "backlash_mm", "material")
@@ -109,13 +120,7 @@ class Chain(RatedTrain):
         from ncgear.ratio.transmission import Lobes
         from ncgear.trains.chain import chain_train, row_of
 
-        idlers = len(self.lobes) - 2
-        if self.bends_deg and len(self.bends_deg) != idlers:
-            raise WrongInput(
-                f"{len(self.bends_deg)} given, but {len(self.lobes)} gears have {idlers} idlers; as many are right",
-                key="train.bends_deg",
-            )
-        bends = [radians(bend) for bend in self.bends_deg] or [0.0] * idlers
+        bends = [radians(bend) for bend in self.bends_deg] or [0.0] * (len(self.lobes) - 2)
         directions = np.cumsum([0.0, *bends]).tolist()
         gears = self.gears
         with renamed("motion", "train"), renamed("motion.expression_mm", "train.idler_radius"):
@@ -123,6 +128,7 @@ class Chain(RatedTrain):
         with below("train"), renamed("motion", "ratio"):
             laws = row_laws(first, self.lobes, directions, BENDS)
             row = row_of(laws, directions, gears.teeth, gears.module_mm)
+            row.require_apart(BENDS)
         form = gears.form(gears.module_mm)
         return chain_train(
             row, form, gears.face_width_mm, gears.bore_mm, self.speed_rpm, gears.chord_mm(gears.module_mm)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 from pydantic import Field
 
 from ncgear.design.keys.base import Faults, Length, Model, Several, fault, optional, required
-from ncgear.design.trains.base import RatedGears, RatedTrain
+from ncgear.design.trains.base import RatedGears, RatedTrain, with_sound_bodies
 from ncgear.design.trains.tip_path import TipPathKeys
 from ncgear.errors import WrongInput, below, renamed
 from ncgear.numerics.units import RAD_S_PER_RPM, STANDARD_GRAVITY_M_S2
@@ -162,6 +162,14 @@ class Planetary(RatedTrain):
         if self.sun_turns != 0.0:
             yield fault("sun_turns", "given, but the path is that of an arm about a sun that stands; leave it out")
 
+    @property
+    def alone(self) -> tuple[str, ...]:
+        """A path finds another arm and ratio for other teeth; larger gears with masses are another load."""
+        always = "gears.material.", "gears.backlash_mm.", "strength.", "tolerances."
+        if self.path is not None:
+            return always if self.masses is not None else (*always, "gears.face_width_mm.")
+        return super().alone if self.masses is None else (*always, "gears.rack.")
+
     def machine(self) -> dict[str, Any] | None:
         """The gears of one arm on fixed axes, as the carrier sees them: two pairs in series, or a row of three gears.
 
@@ -173,7 +181,7 @@ class Planetary(RatedTrain):
         if self.idler == "ring":
             return None
         path = self._sought()
-        made = self._train(*path)
+        made = with_sound_bodies(self._train(*path))
         given = self.model_dump(by_alias=True, exclude_unset=True)
         motion: dict[str, Any] = {"law": "spline_ratio", "ratio": self._ratio(path[0]).tolist()}
         kept = ("teeth", "module_mm", "center_distance_mm", "face_width_mm", "rack", "backlash_mm", "material")
@@ -230,6 +238,7 @@ class Planetary(RatedTrain):
 
     def _train(self, motion: TipMotion | None, wished: WishedPath | None) -> Train:
         """The train of the keys; raises NoSuchMechanism if no such gears exist."""
+        from ncgear.solids.plan.room import INNER_WALL_IN_MODULES
         from ncgear.trains.loads import loads_of
         from ncgear.trains.planetary import Arm, Bodies, Stand, arm_of, planetary_train, stand_of
         from ncgear.trains.planetary_told import told_of
@@ -242,7 +251,9 @@ class Planetary(RatedTrain):
         elif self.arm_mm is not None:
             arm = Arm(self.arm_mm, radians(self.arm_deg))
         pace = self._pace(motion, wished)
-        bodies = Bodies(self.gears.face_width_mm, self.gears.bore_mm, self.bar_width_mm, self.gears.rim_mm)
+        wall_mm = INNER_WALL_IN_MODULES * max(pitch.size.module_mm for pitch in pitches)
+        sizes = self.gears.face_width_mm, self.gears.bore_mm, self.bar_width_mm, self.gears.rim_mm
+        bodies = Bodies(*sizes, wall_mm)
         chord_mm = max(self.gears.chord_mm(pitch.size.module_mm) for pitch in pitches)
         turned = _carrier_rad(pace)
         made = planetary_train(chain, arm, self.arms, bodies, self.speed_rpm, chord_mm, self.sun_turns, stand, turned)

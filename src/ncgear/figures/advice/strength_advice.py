@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import replace
 from math import degrees
 from typing import TYPE_CHECKING
 
 from ncgear.figures.advice.tried_advice import ENOUGH, enough
-from ncgear.figures.advice.values import Advice, Kind, NotJudged, Remedy, RemedySearch
+from ncgear.figures.advice.values import Advice, Kind, NotJudged, Remedy, RemedySearch, in_file
 from ncgear.figures.flanks import BAND, hours_words, place_words, stretches_words, vibration_of_rating
 from ncgear.figures.numbers import fixed, placed, to_digits
+from ncgear.interrupts import TimeIsOver, at_most
 from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import may_be_helical
@@ -28,6 +30,9 @@ if TYPE_CHECKING:
     from ncgear.strength.surfaces import Film, Surfaces, Wear
 
 SIZE = "ncgear size"
+
+MOST_SECONDS = 30.0
+"""Most processor time of the trials of ``remedies`` for one pair of gears."""
 
 LOADS = {"masses": "the machine with its masses", "resistance": "the resistance alone", "jam": "a jam"}
 """The words for what teeth do not hold."""
@@ -199,12 +204,18 @@ def _sizes(drive: Drive, wider: float, larger: float) -> tuple[Remedy, ...]:
     return tuple(found)
 
 
-def remedies(drive: Drive, rating: Rating) -> tuple[Remedy, ...]:
-    """What makes the teeth hold: a face width, a module, a material, or the search for sizes together."""
+def remedies(drive: Drive, rating: Rating, seconds: float = MOST_SECONDS) -> tuple[Remedy, ...]:
+    """What makes the teeth hold: a face width, a module, a material, or the search for sizes together.
+
+    The trials take so many ``seconds`` of processor time at the most; those that are left are not made.
+    """
     if rating.holds:
         return ()
-    tried = (enough(search, drive, rating) for search in ENOUGH)
-    return (*filter(None, tried), _together(drive))
+    tried = list[Remedy | None]()
+    with suppress(TimeIsOver), at_most(seconds):
+        tried.extend(enough(search, drive, rating) for search in ENOUGH)
+    found = (replace(one, changes=in_file(drive.design, one.changes)) for one in tried if one)
+    return (*found, _together(drive))
 
 
 def _together(drive: Drive) -> Remedy:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import KW_ONLY
 from enum import StrEnum
 
+from ncgear.design.keys.design import Design
 from ncgear.figures.numbers import to_digits
 from ncgear.frozen import dataclass
 from ncgear.project.alternatives import Changes, Setting
@@ -61,6 +62,11 @@ class Change:
 def changed(changes: Changes) -> tuple[Change, ...]:
     """Changes from keys and their new values."""
     return tuple(Change(key, value) for key, value in changes.items())
+
+
+def in_file(design: Design, changes: tuple[Change, ...]) -> tuple[Change, ...]:
+    """Changes that a design's file may have, by the keys of the file."""
+    return tuple(Change(design.key_in_file(change.key) or change.key, change.value) for change in changes)
 
 
 class RemedySearch(StrEnum):

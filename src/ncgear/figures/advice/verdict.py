@@ -24,7 +24,7 @@ from ncgear.figures.advice import (
     strength_advice,
     tried_advice,
 )
-from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind, NotJudged, Remedy
+from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind, NotJudged, Remedy, in_file
 from ncgear.frozen import dataclass
 from ncgear.project.alternatives import is_accepted, is_given
 from ncgear.project.drive import Drive
@@ -371,7 +371,8 @@ def judged(
                     begun = process_time()
                     row = _tried(one, row, condition.judge, seconds)
                     seconds -= process_time() - begun
-                rows.append(replace(row, advices=(*row.advices, *also)))
+                told = (_as_the_file_has_it(advice, drive.design) for advice in row.advices)
+                rows.append(replace(row, advices=(*told, *also)))
     return Verdict(tuple(rows))
 
 
@@ -421,6 +422,12 @@ def _within_what_is_asked(advice: Advice, design: Design) -> Advice:
     ]
     kept.sort(key=lambda remedy: not remedy.changes or bool(_overwritten(remedy, design)))
     return replace(advice, remedies=tuple(kept))
+
+
+def _as_the_file_has_it(advice: Advice, design: Design) -> Advice:
+    """The advice with the keys of the file in its remedies."""
+    remedies = (replace(one, changes=in_file(design, one.changes)) for one in advice.remedies)
+    return replace(advice, remedies=tuple(remedies))
 
 
 def _overwritten(remedy: Remedy, design: Design) -> list[str]:

@@ -11,7 +11,7 @@ from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.design.reading.text import whole
 from ncgear.design.rewritten import told_copy
 from ncgear.figures.advice.drivetrain_advice import around
-from ncgear.figures.advice.values import Advice, Kind, Remedy, changed
+from ncgear.figures.advice.values import Advice, Kind, Remedy, changed, in_file
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.answer import Answer, Fault, Row, faults_of
 from ncgear.figures.answers.machine import gear_rows
@@ -115,10 +115,10 @@ def _about(drive: Drive, rating: Rating) -> list[Row]:
         for key, (most, load) in deciding_forces(drive).items()
     )
     rows = [
+        ("jam", jam_words(drive, rating)),
         ("teeth", gear_rows(drive)["teeth"]),
         ("material", materials_words(drive, strength)),
         ("force", f"up to {force} on one pair of teeth, times {jolts_words(drive)}"),
-        ("jam", jam_words(drive, rating)),
         ("knocks", f"{knocks}; the loads hold what they add" if (knocks := knock_words(loading.knocks)) else ""),
         ("decided", deciding_words(drive, rating)),
         ("rim", rim_words(drive, rating)),
@@ -176,7 +176,7 @@ def sized_answer(
             *(Row(f"module {cells[0]} mm", tuple(cells[1:])) for cells in map(sized_row, found)),
             Row("material", (materials_words(first.drive, strength),)),
             Row("wanted", (f"safeties of {listed(wanted, 'and')}",)),
-            Row("first", (", ".join(map(str, changed(first.changes))),)),
+            Row("first", (", ".join(map(str, in_file(design, changed(first.changes)))),)),
             *([Row("helix", (helix,))] if (helix := _helical_words(first, herringbone)) else []),
             *([Row("left out", (f"{listed(left_out, 'and')}: of other gears",))] if left_out else []),
         ),

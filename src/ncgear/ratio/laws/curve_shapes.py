@@ -194,6 +194,8 @@ def polar_points(points_mm: Array, tolerance_mm: float, key: str) -> tuple[Array
     steps = np.diff(np.unwrap(np.arctan2(points_mm[:, 1], points_mm[:, 0])))
     turns = round(float(steps.sum()) / tau)
     if turns not in (1, -1):
+        _refuse_repeated(points_mm[:-1], abs(turns), key)
+        _refuse_repeated(points_mm, abs(turns), key)
         said = f"the points go round the axis {abs(turns)} times; once is right: move the axis, or put them in order"
         raise NoSuchMechanism(said, key=key)
     along = np.concatenate([[0.0], turns * np.cumsum(steps)])
@@ -209,6 +211,14 @@ def polar_points(points_mm: Array, tolerance_mm: float, key: str) -> tuple[Array
             key=key,
         )
     return np.mod(np.arctan2(points_mm[:-1, 1], points_mm[:-1, 0]), tau), radius[:-1]
+
+
+def _refuse_repeated(points: Array, times: int, key: str) -> None:
+    """Raise WrongInput where rows of points, shape (n, 2), are one outline so many times over."""
+    count = len(points) // max(times, 1)
+    if times > 1 and count * times == len(points) and np.array_equal(points, np.tile(points[:count], (times, 1))):
+        problem = f"the outline is given {times} times, and row {count + 1} of the points is row 1 again"
+        raise WrongInput(f"{problem}; its first {count} rows alone are right", key=key)
 
 
 def smoothed_points(

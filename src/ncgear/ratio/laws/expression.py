@@ -25,6 +25,7 @@ from ncgear.ratio.laws.integrated import (
     Slope,
     closing_lobes,
     integrated_law,
+    refuse_without_turn,
     smooth_or_refused,
     stretched,
 )
@@ -51,8 +52,7 @@ def open_ratio_law(text: str, driving_rad: float) -> Transmission:
     slopes = [_inverse(ratio, start, end, key) for start, end, ratio in parts]
     starts = np.cumsum([0.0, *(slope.integral.final for slope in slopes)])
     pieces = tuple(stretched(slope, float(start), 1.0) for slope, start in zip(slopes, starts, strict=False))
-    if not starts[-1] > 0.0:
-        raise NoSuchMechanism("the ratio is negative; it must be positive over the whole range", key=key)
+    refuse_without_turn(float(starts[-1]), "range", key)
     return Transmission(pieces, OpenRange(driving_rad=driving_rad, driven_rad=float(starts[-1])))
 
 

@@ -86,8 +86,7 @@ def integrated_angle(slope: Slope, start: float, factor: float, phi1: Array, ord
 def _closing_factor(covered: float, lobes: Lobes, scale_to_close: bool, key: str) -> float:
     """The factor of 1/i12 that makes the driven gear, which turns by ``covered`` rad, turn by its period."""
     target = lobes.driven_period_rad
-    if not covered > 0.0:
-        raise NoSuchMechanism("the ratio is negative; it must be positive over the whole cycle", key=key)
+    refuse_without_turn(covered, "cycle", key)
     factor = target / covered
     if not scale_to_close and abs(factor - 1.0) > NEARLY_CLOSED:
         raise NoSuchMechanism(
@@ -97,6 +96,17 @@ def _closing_factor(covered: float, lobes: Lobes, scale_to_close: bool, key: str
             key=key,
         )
     return factor
+
+
+def refuse_without_turn(covered: float, over: str, key: str) -> None:
+    """Raise NoSuchMechanism where the driven gear turns by no positive angle, ``covered``, in rad over the cycle."""
+    if covered < 0.0:
+        raise NoSuchMechanism(f"the ratio is negative; it must be positive over the whole {over}", key=key)
+    if not covered > 0.0:
+        raise NoSuchMechanism(
+            "the ratio is too large to be computed; leave out its common factor",
+            key=key,
+        )
 
 
 def closing_lobes(covered: float, lobes: Lobes) -> str:

@@ -60,7 +60,7 @@ def require_room(
     disc: Polygon, bore: Bore, wall_mm: float, chord_tolerance_mm: float, key: str, clearance_mm: float
 ) -> None:
     """Raise WrongInput for ``key``.bore_mm, with the largest bore, unless widened bore and keyway leave a wall."""
-    if _has_room(disc, bore.widened(clearance_mm), wall_mm, chord_tolerance_mm):
+    if has_room(disc, bore.widened(clearance_mm), wall_mm, chord_tolerance_mm):
         return
     largest = largest_bore_mm(disc, bore, wall_mm, chord_tolerance_mm, clearance_mm)
     cut = "a bore" if bore.keyway is None else "a bore with this keyway"
@@ -76,12 +76,13 @@ def largest_bore_mm(
     """Largest diameter up to ``bore``'s own, in mm, that fits with the same keyway; 0 when no diameter fits."""
 
     def fits(diameter: float) -> bool:
-        return _has_room(disc, replace(bore, diameter_mm=diameter).widened(clearance_mm), wall_mm, chord_tolerance_mm)
+        return has_room(disc, replace(bore, diameter_mm=diameter).widened(clearance_mm), wall_mm, chord_tolerance_mm)
 
     return largest_fitting(fits, bore.keyway.width_mm if bore.keyway else 0.0, bore.diameter_mm)
 
 
-def _has_room(disc: Polygon, bore: Bore, wall: float, tolerance: float) -> bool:
+def has_room(disc: Polygon, bore: Bore, wall: float, tolerance: float) -> bool:
+    """Whether a bore within a disc leaves a wall (mm) to its edge, with chords within the tolerance (mm)."""
     # The true circle bulges beyond its inscribed polygon by up to one chord tolerance.
     cut = Polygon(bore_points(bore, tolerance))
     return bool(disc.contains(cut) and cut.distance(disc.exterior) >= wall + tolerance)
