@@ -22,12 +22,13 @@ from ncgear.drawings.page import page_charts
 from ncgear.drawings.page.chart_figure import DIGITS, PageChart, shaft_of
 from ncgear.drawings.page.motion_charts import SIDE_RAD, split_angles
 from ncgear.drawings.scene.bodies import output_shape
-from ncgear.drawings.scene.geared_pairs import _driving_axes_rad, mountings
+from ncgear.drawings.scene.geared_pairs import mountings
 from ncgear.drawings.scene.standing import SUPPORT, SUPPORT_HATCHES, support_hatches_mm
 from ncgear.mechanisms.mechanism import LinkShape
 from ncgear.pitch.shape import Gear, Mesh
+from ncgear.project.tooth_form import driving_axes_rad
 from ncgear.strength.holding import Damage
-from ncgear.trains.train import Part, Poses
+from ncgear.trains.train import MARGIN, Part, Poses, Train
 
 Made: Any = SimpleNamespace
 
@@ -56,9 +57,9 @@ def test_pairs_in_series_stand_where_their_directions_lead_from_the_crank() -> N
 def test_a_row_of_an_even_number_of_pairs_is_seen_from_behind(count: int, hand: float) -> None:
     turned = [0.5, 0.2, 0.9][:count]
     gears: Any = Made(driving_axis_deg=180.0, idlers=Made(directions_rad=turned))
-    assert _driving_axes_rad(gears, count) == pytest.approx([pi + hand * (one - turned[-1]) for one in turned])
+    assert driving_axes_rad(gears, count) == pytest.approx([pi + hand * (one - turned[-1]) for one in turned])
     gears.idlers = None
-    assert _driving_axes_rad(gears, count) == [pi] * count
+    assert driving_axes_rad(gears, count) == [pi] * count
 
 
 @pytest.mark.judges("drawings")
@@ -99,8 +100,8 @@ def test_a_picture_of_a_train_has_room_for_all_parts_over_a_cycle() -> None:
     share = np.linspace(0.0, 1.0, 61)
     poses = Poses(np.array([10.0 * share]), np.zeros((1, 61)), np.array([pi / 2.0 * share]))
     train: Any = Made(cycle_rad=2.0, parts=(Part("bar", SQUARE, 1.0),), poses_at=lambda _: poses)
-    low, high = train_pictures._room(train)
-    margin = train_pictures.MARGIN * (11.0 + 2.0)
+    low, high = Train.room_mm(train)
+    margin = MARGIN * (11.0 + 2.0)
     assert low == pytest.approx([-2.0 - margin, high[1] * -1.0], abs=0.1)
     assert high[0] - 11.0 == pytest.approx(margin, abs=0.4)
     assert high[1] > sqrt(5.0) - 0.1

@@ -157,7 +157,7 @@ def test_limits_are_drawn_in_beside_what_lacks_and_eased_elsewhere_at_first() ->
 
 @at_once(
     ("refusal", "count", "refusals", "rounder"),
-    [(SHORT, 3, 5, 0), (SHORT, 3, 6, 1), (SHORT, 9, 2, 1), (CLASH, 1, 1, 0), (CLASH, 1, 2, 1)],
+    [(SHORT, 3, 5, 0), (SHORT, 3, 6, 1), (SHORT, 9, 2, 0), (SHORT, 9, 3, 1), (CLASH, 1, 2, 0), (CLASH, 1, 3, 1)],
 )
 def test_slopes_are_drawn_in_after_some_refusals(refusal: Any, count: int, refusals: int, rounder: int) -> None:
     before = CurveLimits()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import cos, pi, sin, sqrt, tan
+from math import cos, pi, sin, sqrt
 from types import SimpleNamespace
 from typing import Any
 
@@ -89,15 +89,14 @@ def test_flanks_and_lands_of_a_hollow_pitch_curve_are_hollow(height: float) -> N
     seen: list[Any] = []
     flanks: Any = Made(
         slant=Made(of=lambda owner: Made(sine=sin(alpha))),
-        rolled_mm=lambda owner, parameter: parameter / tan(alpha),
-        at_rolled=lambda owner, rolled: seen.append(rolled) or Made(curvature=np.full(rolled.shape, 1.0 / ring)),
+        rolling_curvature=lambda owner, parameter: seen.append(parameter) or np.full(parameter.shape, 1.0 / ring),
         curve=Made(at_length=lambda place: Made(curvature=np.full(place.shape, 1.0 / ring))),
         tip_height_mm=np.array([9.0, height]),
     )
     curve: Any = Made(start=np.array([0.0, height - 1.0]), end=np.array([0.0, height + 1.0]), owner=np.array([0, 1]))
     found = round_tool._hollow_mm(flanks, FLANK, curve, np.array([[1]]), np.array([0.5, 1.0]))[0]
     assert found == pytest.approx([(30.0 * sin(alpha) ** 2 - one) / sin(alpha) for one in (height, height + 1.0)])
-    assert seen[0] == pytest.approx(np.array([[height, height + 1.0]]) / tan(alpha))
+    assert seen[0] == pytest.approx(np.array([[height, height + 1.0]]))
     land = round_tool._hollow_mm(flanks, round_tool.TIP_LAND, curve, np.array([[1]]), np.array([0.5]))
     assert land == pytest.approx(30.0 - height)
     flanks.curve.at_length = lambda place: Made(curvature=np.full(place.shape, 1.0 / 30.0))

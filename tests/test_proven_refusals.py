@@ -99,7 +99,7 @@ def test_a_fault_in_a_deep_design_is_seen(monkeypatch: pytest.MonkeyPatch) -> No
     def fault(*_: Any) -> np.ndarray:
         raise ArithmeticError("no zero was found")
 
-    monkeypatch.setattr(tips, "tip_crossing", fault)
+    monkeypatch.setattr(tips, "_newton_crossing", fault)
     with pytest.raises(ArithmeticError):
         judged(next(number for number in range(40) if deep_design(number)["motion"]["law"] == "ellipse"))
 

@@ -134,15 +134,6 @@ def test_what_cannot_be_shared_out_is_refused(law: str, more: str, key: str, sai
     assert said in wrong.value.problem
 
 
-@pytest.mark.thorough
-def test_masses_count_with_two_pairs_at_most() -> None:
-    text = MACHINE.format(law=EVEN, pairs=3, torque="10", more="") + "masses: {shaft_kg_mm2: 20000}\n"
-    with pytest.raises(WrongInput) as wrong:
-        drive_of_text(text)
-    assert wrong.value.key == "masses"
-    assert drive_of_text(text.replace("pairs: 3", "pairs: 2")).check.peak_power_w.value > 0.0
-
-
 def test_a_stage_that_is_not_there_is_refused() -> None:
     drive = made(EVEN, 3)
     assert drive.of_stage(3).stage == 3

@@ -212,7 +212,7 @@ def test_a_place_sharper_than_a_quarter_of_the_module_is_refused(sharpest: float
     curve = Made(
         curvature_bounds=(min(sharpest, -0.01), max(sharpest, 0.01)),
         panels_mm=np.linspace(0.0, 10.0, 21),
-        at_length=lambda sigma: Made(curvature=sharpest * np.exp(-((sigma - 5.0) ** 2))),
+        curvature_at=lambda sigma: sharpest * np.exp(-((sigma - 5.0) ** 2)),
         driving_angle=lambda sigma: sigma / 10.0,
     )
     ends = tuple(Extremum(value, 0.5) for value in curve.curvature_bounds)

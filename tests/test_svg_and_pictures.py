@@ -105,8 +105,10 @@ def test_an_element_is_picked_and_what_is_missing_is_named(tmp_path: Path) -> No
     assert from_svg(tmp_path, two, ", element: p").law.center_distance_mm
     with pytest.raises(WrongInput, match="holds no curve of the element 'q'; elements with curves are 'hole' and 'p'"):
         from_svg(tmp_path, two, ", element: q")
-    with pytest.raises(WrongInput, match="is no SVG file that can be read"):
+    with pytest.raises(WrongInput, match="ends in the middle; the whole file is right"):
         from_svg(tmp_path, "<svg><path")
+    with pytest.raises(WrongInput, match="is no SVG file that can be read"):
+        from_svg(tmp_path, "<svg></path>")
     with pytest.raises(WrongInput, match="holds no curve"):
         from_svg(tmp_path, page("<text>nothing</text>"))
 

@@ -144,27 +144,6 @@ def test_pitch_radii_are_those_of_the_gear_at_even_angles(gear: Gear) -> None:
 
 
 @pytest.mark.judges("files")
-def test_least_and_greatest_sizes_share_a_row() -> None:
-    rows = [
-        ("least depth", "2 mm"),
-        ("greatest depth", "3 mm"),
-        ("least land", "1 mm"),
-        ("greatest land", "1 mm"),
-        ("least angle", "4 deg"),
-        ("greatest width", "9 mm"),
-        ("lower deviation", "-5 \u00b5m"),
-        ("upper deviation", "7 \u00b5m"),
-    ]
-    assert gear_tables._least_and_greatest(rows) == [
-        ("depth", "2 to 3 mm"),
-        ("land", "1 mm"),
-        ("least angle", "4 deg"),
-        ("greatest width", "9 mm"),
-        ("deviation", "-5 to 7 \u00b5m"),
-    ]
-
-
-@pytest.mark.judges("files")
 @pytest.mark.parametrize("ring", [False, True])
 def test_measurements_share_the_lines_that_are_there(ring: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """Twenty lines: a title, heads and eight rows over pins, and as many of spans with their limits."""

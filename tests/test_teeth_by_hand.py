@@ -108,13 +108,10 @@ def test_a_stretch_folds_where_any_place_inside_does(start: float, end: float, f
 def hollow(radius: float, tips: tuple[float, float]) -> tuple[Any, Any]:
     """Flanks of two teeth on a curve that is hollow with a radius at 30 mm alone, and their sides."""
 
-    def at(sigma: Any) -> Any:
-        return Made(curvature=-np.exp(-(((sigma - 30.0) / 4.0) ** 2)) / radius)
-
     curve = Made(
         gear=Gear.DRIVEN,
         curvature_bounds=(-1.0 / radius, 0.1),
-        at_length=at,
+        curvature_at=lambda sigma: -np.exp(-(((sigma - 30.0) / 4.0) ** 2)) / radius,
         driving_angle=lambda sigma: sigma / 10.0,
     )
     heights = np.array([2.0, 2.0, tips[0], tips[1]])

@@ -131,8 +131,7 @@ def test_the_driven_side_swings_on_two_pairs_as_stiff_as_the_one() -> None:
     """2 k r^2 over the inertia: twice 500 N/mm at 30 mm on 9e5 N mm s^2 are 1 in a second."""
     near = Made(stiffness=np.array([[500.0]]), lever_mm=np.array([[30.0]]))
     gaps = Made(at=lambda phi1: near, of_sections=lambda turning: turning[:, 0])
-    law, table = Made(at=lambda phi1: (phi1, None)), Made(at=lambda phi2: (np.full((1, 1), 9e5), None))
-    side: Any = Made(meshing=Made(gaps=gaps, law=law), load=Made(table=table))
+    side: Any = Made(meshing=Made(gaps=gaps), _inertia=lambda phi1: np.full(1, 9e5))
     assert _DrivenSide.swings_rad_s(side, np.array([0.3])) == pytest.approx(1.0)
 
 

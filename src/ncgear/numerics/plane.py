@@ -23,7 +23,7 @@ def as_complex(points: Array) -> ComplexArray:
 
 def as_points(places: ComplexArray) -> Array:
     """The inverse of ``as_complex``."""
-    return np.ascontiguousarray(places)[..., None].view(float)
+    return np.asarray(places, order="C")[..., None].view(float)
 
 
 def square(vector: ComplexArray) -> Array:
