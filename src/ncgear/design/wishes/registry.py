@@ -28,7 +28,15 @@ from ncgear.design.wishes.speed_at import SpeedAt
 from ncgear.design.wishes.time_ratio import TimeRatio
 from ncgear.design.wishes.working_stroke import WorkingStroke
 
-KINDS: tuple[type[WishKeys], ...] = (ConstantSpeed, TimeRatio, WorkingStroke, Dwell, SpeedAt, GentleStop, Position)
+KINDS: tuple[type[WishKeys], ...] = (
+    ConstantSpeed,
+    TimeRatio,
+    WorkingStroke,
+    Dwell,
+    SpeedAt,
+    GentleStop,
+    Position,
+)
 
 
 MOST_WISHES = 50
