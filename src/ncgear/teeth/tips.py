@@ -188,18 +188,27 @@ def _within_play(edges: _Edges) -> Array:
 
 
 def _lowered(edges: _Edges, allowed: Array) -> _Edges:
-    """The edges, those above the allowed heights of contact lowered to them; the others that are not met are searched.
+    """The edges of tips that are lowered to the allowed heights of contact where they are above them.
 
-    A lowered tip ends as high over the pitch curve as its flank at the allowed height.
+    A lowered tip ends as high over the pitch curve as its flank at the allowed height.  Where that place is beside the
+    flank and over the curve, the flank reaches the tip there, and no crossing is searched.
     """
-    flanks, height = edges.flanks, edges.flanks.tip_height_mm.copy()
+    flanks, height = edges.flanks, edges.flanks.tip_height_mm
     chosen = np.nonzero(~edges.met | (edges.top_mm > allowed))[0]
     sigma, distance = edge_over_curve(flanks, chosen, allowed[chosen])
-    lower = distance < height[chosen]
-    rows, lost = chosen[lower], chosen[~lower]
-    height[rows] = distance[lower]
-    edges = edges.placed(height, rows, (allowed[rows], sigma[lower], np.ones(rows.size, dtype=bool)))
-    return edges.placed(height, lost, tip_crossing(edges.flanks, lost)) if lost.size else edges
+    beside = np.abs(sigma - flanks.crossing_mm[chosen]) < flanks.rack.pitch_mm / 2.0
+    known = beside & (distance > 0.0) & (distance < height[chosen])
+    lost = chosen[~known & ~edges.met[chosen]]
+    if lost.size:
+        edges = edges.placed(height, lost, tip_crossing(flanks, lost))
+    above = ~edges.met[chosen] | (edges.top_mm[chosen] > allowed[chosen])
+    if np.isnan(distance[above]).any():
+        raise no_tip(flanks, int(chosen[above & np.isnan(distance)][0]))
+    rows, reached, lowered = chosen[known], height.copy(), height.copy()
+    reached[rows] = distance[known]
+    lowered[chosen[above]] = np.minimum(height[chosen], distance)[above]
+    edges = edges.placed(reached, rows, (allowed[rows], sigma[known], np.ones(rows.size, dtype=bool)))
+    return edges.moved(lowered)
 
 
 def edge_over_curve(flanks: Flanks, flank: IndexArray, height: Array) -> tuple[Array, Array]:
