@@ -221,7 +221,7 @@ def test_forces_in_a_bent_row_balance_by_newton_and_euler(bends: list[int]) -> N
 
 def test_shafts_between_are_counted() -> None:
     text = CHAINS["3 pairs"][0]
-    with pytest.raises(WrongInput, match=r"1 given, but 2 shafts turn between three pairs of gears") as refused:
+    with pytest.raises(WrongInput, match=r"1 given, but two shafts turn between three pairs of gears") as refused:
         drive_of_text(text + TURNED.format(", shaft_between_kg_mm2: 30000"))
     assert "masses.shaft_between_kg_mm2" in str(refused.value)
 

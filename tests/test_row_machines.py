@@ -230,7 +230,7 @@ def test_a_chain_is_written_for_others_as_the_file_of_a_machine() -> None:
     ("old", "new", "line", "said"),
     [
         ("teeth: 36", "teeth: 37", 11, ""),
-        ("[40, -70]", "[40]", 7, "1 given, but 4 gears have 2 idlers; 2 are right"),
+        ("[40, -70]", "[40]", 7, "1 given, but 4 gears have two idlers; as many bends are right"),
         ("module_mm: 2", "module_mm: 2\n    rack: {idle_pressure_angle_deg: 25}", 13, "both flanks of an idler push"),
     ],
 )

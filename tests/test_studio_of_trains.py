@@ -138,7 +138,7 @@ def test_a_train_is_seen_changed_refused_and_saved(browser: Any, tmp_path: Path)
         assert opened.fact("gears") == "40, 40, 40, 40 teeth, module 2 mm"
         assert page.locator("#refusals .refusal").count() == 0
         opened.set("train.gears.bore_mm", "90")
-        assert "train.gears.bore_mm: 90 mm leaves no wall" in page.locator("#refusals").inner_text()
+        assert "train.gears.bore_mm: 90 mm leaves less than 2 mm, one module" in page.locator("#refusals").inner_text()
         opened.step(lambda: page.locator("#undo").click())
         assert page.locator("#refusals .refusal").count() == 0
         page.screenshot(path=tmp_path / "train.png")

@@ -332,7 +332,10 @@ def _changed(data: Mapping[str, Any], text: str, answers: Mapping[str, str]) -> 
     likely = likely_answers(text)
     for question, answer in answers.items():
         if question == FORCE:
-            (force, *shocks), (likely_force, likely_shocks) = (one.split("x", 1) for one in (answer, likely[FORCE]))
+            force, *shocks = answer.split("x")
+            likely_force, likely_shocks = likely[FORCE].split("x")
+            if len(shocks) > 1 or not all(one.strip() for one in (force, *shocks)):
+                raise ValueError(f"{answer} given; a force and a factor as {likely[FORCE]} are right, or a force")
             if _number(force) != float(likely_force):
                 yield from _scaled(data["resistance"], "resistance", _number(force) / float(likely_force))
             if shocks and _number(shocks[0]) != float(likely_shocks):
@@ -353,7 +356,7 @@ def _changed(data: Mapping[str, Any], text: str, answers: Mapping[str, str]) -> 
 def _number(answer: str) -> float:
     value = plain_value(answer.strip())
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not value > 0.0:
-        raise ValueError(f"{answer.strip() or 'nothing'} given; a number over 0 is right")
+        raise ValueError(f"{answer.strip()} given; a number over 0 is right")
     return value
 
 

@@ -69,9 +69,9 @@ class Fluctuation:
 
     @property
     def swing_n_mm(self) -> float:
-        """Largest less smallest energy stored."""
+        """Largest less smallest energy stored; 0 where it is rounding only."""
         low, high = self.stored_range_n_mm
-        return high.value - low.value
+        return float(counted(high.value - low.value, -self.rms_n_mm, self.rms_n_mm))
 
     @property
     def rms_n_mm(self) -> float:
@@ -169,7 +169,7 @@ class DrivingShaft:
 
 
 def counted(torque: Array | float, least: Array | float, most: Array | float) -> Array:
-    """A torque, or 0 where it is a rounding error of the least and the largest torque."""
+    """A torque, or its work over radians; 0 where it is a rounding error of the least and the largest torque."""
     return np.where(np.abs(torque) > IDLE * np.maximum(-least, most), torque, 0.0)
 
 

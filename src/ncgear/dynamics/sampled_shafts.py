@@ -84,6 +84,6 @@ def torque_figures(torque: Functions, turning: Array, there: Mask, speed_rad_s: 
         "peak_power_w": np.maximum(most, 0.0) * watts,
         "braking_power_w": counted(np.maximum(least, 0.0), -least, most) * watts,
         "rms_torque_n_m": np.sqrt(square) * N_M_PER_N_MM,
-        "energy_swing_j": (full + empty) * N_M_PER_N_MM,
+        "energy_swing_j": counted(full + empty, -least, most) * N_M_PER_N_MM,
         "mean_power_w": counted(mean, -least, most) * watts,
     }

@@ -374,7 +374,8 @@ def tolerance_answer(tolerated: Tolerated) -> Answer:
         about=f"Tolerances: {limits}" if tolerated.process is None else "",
         notes=() if tolerated.process is None else (f"{ASSUMED}{limits}",),
         heads=tuple(STATISTICS[key] for key in SHOWN),
-        good=f"No warnings of what was judged: {turning} of the assemblies turn, and none knocks.",
+        good=f"No warnings of what was judged: {turning} of the assemblies turn, with little play where the torque "
+        "turns round.",
         not_judged=NOT_JUDGED,
         then="tolerance.json has every figure, assemblies.csv every assembly",
     )

@@ -88,7 +88,7 @@ def _meets(one: MeshContact, how: str, value_mm: float, at_rad: float) -> str:
     return f"{one.first} and {one.second} {how} {to_digits(value_mm, 3)} mm at {in_words(at_rad)}"
 
 
-TEETH = TrainCondition("teeth", None, "undercut, tips and strength are for ncgear strength, where it takes the kind")
+TEETH = TrainCondition("teeth", None, "undercut, tips and strength; ncgear strength rates chains and planetary trains")
 """What neither a check nor a build of a train says of its teeth."""
 
 NOT_BUILT = (

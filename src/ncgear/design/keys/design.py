@@ -372,12 +372,17 @@ class Design(Model, Shown):
                 yield fault("gears.pairs", f"{pairs} given, but {why}; leave one of them out")
 
     def _shafts_between_have_inertia(self) -> Faults:
-        shafts, given = max(self.stages - 1, 1), self.masses.shafts_between_kg_mm2 if self.masses else ()
-        if given and len(given) != shafts:
+        pairs, given = self.stages, self.masses.shafts_between_kg_mm2 if self.masses else ()
+        if given and len(given) != pairs - 1:
+            between = {
+                1: "one pair of gears has no shaft between; leave it out",
+                2: "one shaft turns between two pairs",
+            }
+            many = f"{COUNTS[pairs - 1]} shafts turn between {COUNTS[pairs]} pairs of gears"
             yield fault(
                 "masses.shaft_between_kg_mm2",
-                f"{len(given)} given, but {shafts} shafts turn between {COUNTS[self.stages]} pairs of gears; give one "
-                "moment of inertia for each, or leave it out",
+                f"{len(given)} given, but {between.get(pairs, many)}"
+                + ("; give one moment of inertia for each, or leave it out" if pairs > 1 else ""),
             )
 
 

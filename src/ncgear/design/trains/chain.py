@@ -11,6 +11,7 @@ from ncgear.design.keys.base import FORMULA, Expression, Faults, Length, Several
 from ncgear.design.keys.gears import MOST_IDLERS, Bend, Lobe
 from ncgear.design.keys.masses import DrivenShaftMasses
 from ncgear.design.trains.base import RatedGears, RatedTrain
+from ncgear.design.words import COUNTS
 from ncgear.errors import DesignError, below, renamed
 
 if TYPE_CHECKING:
@@ -74,7 +75,17 @@ class Chain(RatedTrain):
     def _each_idler_has_its_bend(self) -> Faults:
         gears, idlers, bends = len(self.lobes), len(self.lobes) - 2, len(self.bends_deg)
         if bends and bends != idlers:
-            yield fault("bends_deg", f"{bends} given, but {gears} gears have {idlers} idlers; {idlers} are right")
+            have = f"{gears} gears have {COUNTS[idlers]} idler{'s' * (idlers != 1)}"
+            yield fault("bends_deg", f"{bends} given, but {have}; as many bends are right")
+
+    def _each_shaft_between_has_its_inertia(self) -> Faults:
+        shafts, given = len(self.lobes) - 2, len(self.masses.shafts_between_kg_mm2) if self.masses else 0
+        if given and given != shafts:
+            yield fault(
+                "masses.shaft_between_kg_mm2",
+                f"{given} given, but {len(self.lobes)} gears have {COUNTS[shafts]} shafts between the first and "
+                "the last; give one moment of inertia for each, or leave it out",
+            )
 
     def machine(self) -> dict[str, Any]:
         """A pair of gears by themselves whose driven gear drives the others; raises WrongInput for too large a bore."""

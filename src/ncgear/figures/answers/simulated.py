@@ -61,12 +61,13 @@ MOVED = (
 
 def simulated_answer(drive: Drive, level: Level, figures: Mapping[str, Any], verdict: Verdict, file: str) -> Answer:
     """What a simulation of a design ``file`` found; ``figures`` are all of it."""
-    heads: tuple[str, ...] = ()
+    heads, about = tuple[str, ...](), LEVELS[level]
     match level:
         case Level.RIGID:
             uniform = uniform_key(drive)
             own, other = figures["this_design"], figures[uniform]
             heads = THIS, drive.linkage.UNIFORM
+            about += _changing_flanks(drive, own)
             rows = [*_compared(own, other), *_around(figures.get("drivetrain", {}))]
         case Level.QUASI_STATIC:
             loaded, band = figures["loaded_contact"], figures["band_of_stiffness"]
@@ -85,7 +86,7 @@ def simulated_answer(drive: Drive, level: Level, figures: Mapping[str, Any], ver
         head_of(drive),
         tuple(rows),
         faults_of(verdict),
-        LEVELS[level],
+        about,
         heads=heads,
         good=verdict.good,
         not_judged=verdict.not_judged,
@@ -100,6 +101,14 @@ def _not_followed(band: Mapping[str, Any]) -> list[Row]:
         for one in band.values()
         if "not_followed" in one
     ]
+
+
+def _changing_flanks(drive: Drive, own: Mapping[str, Any]) -> str:
+    """What the forces of the law leave out where teeth change their flanks."""
+    changes = len(own["flank_changes_deg"])
+    if drive.design.gears is None or not changes:
+        return ""
+    return f"; without knocks where the load changes flanks, {changes} times a cycle (ncgear strength)"
 
 
 def _compared(own: Mapping[str, Any], other: Mapping[str, Any]) -> list[Row]:

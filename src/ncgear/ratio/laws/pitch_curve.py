@@ -323,7 +323,7 @@ def _require_alike(first: Sequence[Radius], other: Sequence[Radius], period: flo
         raise NoSuchMechanism(
             f"the gear shall have {round(tau / period)} equal lobes, but the radius of the pitch curve is "
             f"{radii[0][worst]:.6g} mm at phi = {in_words(float(angles[worst]))} and {radii[1][worst]:.6g} mm at "
-            f"{in_words(float(angles[worst]) + turns)}; give gears.lobes that the curve has, or another curve",
+            f"{in_words(float(angles[worst]) + turns)}; give lobes that the curve has, or another curve",
             key=key,
         )
 
