@@ -373,7 +373,7 @@ class Design(Model, Shown):
 
     def _shafts_between_have_inertia(self) -> Faults:
         pairs, given = self.stages, self.masses.shafts_between_kg_mm2 if self.masses else ()
-        if given and len(given) != pairs - 1:
+        if given and len(given) != max(pairs - 1, 1):
             between = {
                 1: "one pair of gears has no shaft between; leave it out",
                 2: "one shaft turns between two pairs",
