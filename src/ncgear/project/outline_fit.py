@@ -321,7 +321,7 @@ class _Search:
         """The nearest of the pairs that were made; raises NoSuchMechanism where all pairs are refused."""
         limits, curve, left = self.limits, start, TRIALS
         good = list[Made]()
-        refused: Made | None = None
+        refused, written_refused = None, False
         for trial in range(TRIALS + NEARER):
             on_trial(trial, TRIALS + NEARER)
             curve = nearest_curve(self.outline, teeth, limits, self.wanted, self.axis_mm, curve)
@@ -341,8 +341,9 @@ class _Search:
                     if made.refusal is None:
                         return made
                     refused = made
-                left = TRIALS + NEARER - 1 - trial
-                limits = drawn_in(made, STUBBORN - 1)
+                # Once only where they are too short, then everywhere.
+                limits = drawn_in(made, trial if written_refused else STUBBORN - 1)
+                left, written_refused = TRIALS + NEARER - 1 - trial, True
             else:
                 limits = between(good[-1], refused) if good else drawn_in(made, trial)
         assert refused is not None
