@@ -579,7 +579,7 @@ def test_summary_and_data_sheet_tell_angles_shifts_and_thicknesses() -> None:
     assert len(told["tooth_thickness_driven_mm"]) == 36
     sheet = data_sheet(one)
     labels = {entry.label: entry for group in sheet.groups for entry in group.entries}
-    assert labels["pressure angle of the rack, idle flanks"].pair == pytest.approx(20.0)
+    assert labels["pressure angle, idle flanks"].pair == pytest.approx(20.0)
     assert labels["flanks that push face, seen from the end z > 0"].driven == "counter-clockwise"
     assert "unequal pressure angles" in str(labels["places of a span"].driving)
     table = next(table for table in sheet.tables if table.title == "Teeth with a profile shift of their own")
