@@ -173,18 +173,21 @@ def drawn_in(made: Made, refusals: int) -> CurveLimits:
 
 
 def most_lacking(made: Made) -> str:
-    """The place in the drawing where a refused pair lacks most contact, in words; empty where it is not known."""
-    if not made.lacking.size:
-        return ""
-    place = made.lacking[np.argmax(made.lacking[:, 1]), 0]
+    """The place in the drawing where a refused pair lacks most contact, in words; else that of the sharpest hollow."""
     points, _ = made.curve.points()
-    nearest = int(np.argmin(made.curve.apart_mm(np.array([place]))[:, 0]))
+    own, mate = (one * made.curve.module_mm for one in made.curve.curvature)
+    bent, said = np.minimum(own, mate), "their sharpest place is"
+    nearest = int(np.argmin(bent))
+    if made.lacking.size:
+        place, said = made.lacking[np.argmax(made.lacking[:, 1]), 0], "their contact fails"
+        nearest = int(np.argmin(made.curve.apart_mm(np.array([place]))[:, 0]))
     x, y = points[nearest * FINER]
-    own, mate = (one[nearest] * made.curve.module_mm for one in made.curve.curvature)
-    bent, given = min(own, mate), given_gear(made.motion)
-    concave = given if own <= mate else next(gear for gear in Gear if gear is not given)
-    hollow = f", where the {concave.value} gear is concave, {bent:.3g} per module" if bent < 0.0 else ""
-    return f": their contact fails at ({x:.4g}, {y:.4g}) mm of the drawing{hollow}"
+    given = given_gear(made.motion)
+    concave = given if own[nearest] <= mate[nearest] else next(gear for gear in Gear if gear is not given)
+    hollow = (
+        f", where the {concave.value} gear is concave, {bent[nearest]:.3g} per module" if bent[nearest] < 0.0 else ""
+    )
+    return f": {said} at ({x:.4g}, {y:.4g}) mm of the drawing{hollow}"
 
 
 def between(kept: Made, refused: Made | None) -> CurveLimits:
