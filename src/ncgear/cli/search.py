@@ -49,11 +49,13 @@ def optimize(
         from ncgear.figures.numbers import json_text
         from ncgear.files.searched import PICTURE, limit_picture
         from ncgear.project.best_law import BestLaw
+        from ncgear.whole_machines.holding_law import holding
 
         name = ending_in(SUFFIX, loaded.design.name)
         folder = prepared(out, name)
         lengths, flywheel = loaded.design.free_lengths, loaded.design.free_flywheel
-        with steps_shown(5 + bool(lengths) + bool(flywheel)) as on_step:
+        hold = loaded.design.holding_teeth
+        with steps_shown(5 + bool(lengths) + bool(flywheel) + hold) as on_step:
             best = BestLaw(
                 loaded.design,
                 starts,
@@ -73,6 +75,9 @@ def optimize(
             best.bound  # noqa: B018
             on_step("makeable law")
             best.law  # noqa: B018
+            if hold:
+                on_step("teeth that hold")
+                best = holding(best, lambda laws: on_step.within(f"law {laws}"))
             on_step("limit beside the law")
             best.limit  # noqa: B018
             written = optimized_design(loaded, best)

@@ -112,7 +112,7 @@ def certificate(best: BestLaw) -> dict[str, Any]:
         "speed_fluctuation": best.task.speed_fluctuation,
         "not_kept": best.not_kept,
         "limits_not_reached": sorted(limits_not_reached(best)),
-        "wishes": best.design.optimize.model_dump(mode="json") if best.design.optimize else {},
+        "wishes": best.asked.model_dump(mode="json") if best.design.optimize else {},
         "frontier": [
             _named({"power_cap_w": power, "limit_acceleration_mm_s2": acceleration}, best)
             for power, acceleration in best.limit_points
@@ -134,10 +134,7 @@ REACHED = 0.99
 
 def limits_not_reached(best: BestLaw) -> dict[str, tuple[float, float]]:
     """The stated limits, by key, that the law stays away from, and so would be the same without; with what it has."""
-    given = best.design.optimize.limits if best.design.optimize else None
-    if given is None:
-        return {}
-    found = best.figures
+    given, found = best.asked.limits, best.figures
     has = by_limit(found, degrees(found.tangent_rad + best.wishes.limits.rack_angle_rad))
     if best.wishes.pairs > 1:
         # Each pair has an angle of its own

@@ -86,6 +86,7 @@ class BestLaw(SoughtMachine, Shown):
         on_length_law: Callable[[int], None] = lambda laws: None,
     ) -> None:
         super().__init__(design)
+        self.settings = starts, scheduler, processes, on_programme, on_flywheel_law, on_length_law
         self._starts, self._where = starts, (scheduler, processes)
         self._on_programme, self._on_flywheel_law = on_programme, on_flywheel_law
         self._on_length_law = on_length_law
@@ -202,11 +203,21 @@ class BestLaw(SoughtMachine, Shown):
         begun = self.begun
         return begun.bound if self.task is begun.task else self._bound_of(self.task)
 
+    @property
+    def asked(self) -> Optimize:
+        """Goal and limits as the design file asks for them."""
+        return self.given.optimize or Optimize()
+
+    @property
+    def wishes_of_limit(self) -> Wishes:
+        """The wishes and limits that the certified limit is for: all that are part of its proof."""
+        return self.wishes
+
     def _bound_of(self, task: Task) -> Bound | None:
         from ncgear.optimum.makeable.demanded import certified_limit
 
         with self._offering(task):
-            return certified_limit(task, self.wishes)
+            return certified_limit(task, self.wishes_of_limit)
 
     @cached_property
     def limit(self) -> Bound | None:
@@ -215,7 +226,9 @@ class BestLaw(SoughtMachine, Shown):
 
         if self.bound is None:
             return None
-        return raised_limit(self.task, self.wishes, self.bound, self.figures, self.law.motion, self._on_programme)
+        return raised_limit(
+            self.task, self.wishes_of_limit, self.bound, self.figures, self.law.motion, self._on_programme
+        )
 
     @contextmanager
     def _offering(self, task: Task) -> Iterator[None]:
@@ -242,7 +255,8 @@ class BestLaw(SoughtMachine, Shown):
         """The limits, in words, that restrict the law but are not part of the bound."""
         from ncgear.optimum.makeable.demanded import not_covered
 
-        return not_covered(self.task, self.wishes)
+        teeth = ["teeth that hold"] if self.asked.limits.teeth_hold else []
+        return [*not_covered(self.task, self.wishes_of_limit), *teeth]
 
     @property
     def law(self) -> MakeableLaw:

@@ -117,6 +117,7 @@ def frontier(
     if design.resistance is None:
         raise WrongInput("missing; without it there is no power to set against acceleration", key="resistance")
     refuse_guide_friction(design, "the power that is capped")
+    _refuse_holding_teeth(design)
     kept = FinishedPoints(folder / POINTS_FILE, design)
     found = kept.found()
     caps = found["caps", float(count)]["caps_w"] if ("caps", float(count)) in found else _caps(design, count, kept)
@@ -144,10 +145,21 @@ def over_flywheels(design: Design, count: int, on_law: Callable[[int, int], None
         problem = "missing; give the range of sizes, as {most: 150e6}, to set power against the flywheel"
         raise WrongInput(problem, key="optimize.driven_flywheel_kg_mm2")
     refuse_guide_friction(design, "the power that is set against the flywheel")
+    _refuse_holding_teeth(design)
     machine = GearsAsGiven(with_driven_flywheel(design, 0.0))
     return flywheel_points(
         machine.task, machine.wishes, asked.least, asked.most, count, lambda laws: on_law(laws, FOLLOWED * count)
     )
+
+
+def _refuse_holding_teeth(design: Design) -> None:
+    """Refuse laws whose teeth must hold: the gears of a point are not rated."""
+    if design.holding_teeth:
+        raise WrongInput(
+            "true, but the gears of a frontier's points are not rated; leave it out here, and give it with one of the "
+            "caps to ncgear optimize",
+            key="optimize.limits.teeth_hold",
+        )
 
 
 def _caps(design: Design, count: int, kept: FinishedPoints) -> list[float]:

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from functools import cached_property
 from math import pi, radians, sin
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.gears import SIZES, Gears
@@ -34,6 +34,9 @@ from ncgear.project.law import (
 from ncgear.project.moving import TrainInertia, masses_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import PairsInSeries, single
+
+if TYPE_CHECKING:
+    from ncgear.project.drive import Drive
 
 RACK_ANGLE_DEG = 20.0
 """Pressure angle of the rack where a design has no gears, as in ISO 53."""
@@ -84,14 +87,18 @@ def _masses_of(design: Design, gears: TrainInertia) -> Masses | None:
     linkage, asked = mechanism_of(design.linkage), design.optimize or Optimize()
     if design.masses is not None:
         return masses_of(design.masses, linkage, gears)
-    limited = any(getattr(asked.limits, name) is not None for name in task.LOAD_LIMITS)
-    return linkage.MASSES() if limited or _prices(asked).of_loads else None
+    return linkage.MASSES() if _limited_loads(asked.limits) or _prices(asked).of_loads else None
+
+
+def _limited_loads(limits: Limits) -> list[str]:
+    """The keys of the given limits of loads."""
+    return [name for name in (*task.LOAD_LIMITS, "teeth_hold") if getattr(limits, name)]
 
 
 def _refuse_guide_friction(design: Design) -> None:
     """Refuse limits and goals of loads with friction in the guide."""
     asked = design.optimize or Optimize()
-    limited = [name for name in ("peak_power_w", *task.LOAD_LIMITS) if getattr(asked.limits, name) is not None]
+    limited = [*(["peak_power_w"] if asked.limits.peak_power_w else []), *_limited_loads(asked.limits)]
     prices = _prices(asked)
     if limited or prices.of_loads or prices.peak_power_w:
         refuse_guide_friction(design, f"optimize.limits.{limited[0]}" if limited else "optimize.goal")
@@ -112,14 +119,17 @@ def inertia_with(design: Design, motion: LawKeys) -> TrainInertia:
 
     Raises as pitch curves and laws do.
     """
+    return TrainInertia() if design.masses is None else drive_with(design, motion).train_inertia
+
+
+def drive_with(design: Design, motion: LawKeys) -> Drive:
+    """The drive of a design with another motion and the size of its gears kept."""
     from ncgear.project.drive import Drive
 
     gears = design.gears
-    if design.masses is None:
-        return TrainInertia()
     if gears is not None:
         gears = gears.model_copy(update=dict(zip(SIZES, kept_size(design), strict=True)))
-    return Drive(design.model_copy(update={"motion": motion, "gears": gears})).train_inertia
+    return Drive(design.model_copy(update={"motion": motion, "gears": gears}))
 
 
 def inertia_as_given(design: Design) -> TrainInertia:
@@ -149,7 +159,7 @@ def _size_of(design: Design, limits: Limits) -> task.GearSize | None:
     gears = design.gears
     prices = _prices(design.optimize or Optimize())
     names = ("tooth_force_n", "flank_load_n_mm", "center_distance_mm")
-    limited = [name for name in names if getattr(limits, name) is not None]
+    limited = [name for name in ("teeth_hold", *names) if getattr(limits, name)]
     if limited or any(getattr(prices, name) for name in names):
         key = f"optimize.limits.{limited[0]}" if limited else "optimize.goal"
         if gears is None:

@@ -201,6 +201,11 @@ class Design(Model, Shown):
         """The range in which the size of a flywheel on the driven shaft is sought; None if the masses give the size."""
         return None if self.optimize is None else self.optimize.driven_flywheel_kg_mm2
 
+    @property
+    def holding_teeth(self) -> bool:
+        """Whether the teeth must hold with the law that is sought."""
+        return self.optimize is not None and self.optimize.limits.teeth_hold
+
     def _a_free_flywheel_has_masses(self) -> Faults:
         if self.free_flywheel is not None and self.masses is None:
             yield fault(

@@ -75,6 +75,11 @@ class Limits(Model):
         "least radius of curvature of both pitch curves in mm; needs gears.teeth and gears.module_mm"
     )
     free_of_undercut: bool = optional("true: gears.teeth teeth are free of undercut at their full height", False)
+    teeth_hold: bool = optional(
+        "true: the teeth of the gears hold against breakage and pitting with the safeties that strength wants, as "
+        "ncgear strength rates them",
+        False,
+    )
 
 
 class Weights(Model):

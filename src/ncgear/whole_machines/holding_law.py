@@ -1,0 +1,141 @@
+"""The best law whose teeth hold: laws are sought under caps of two loads, and their gears are rated, until both agree.
+
+Stress against pitting grows with the root of the flank load, stress against breakage with the force between the teeth
+(docs/method.md).  So the rating of a law's gears says how much of both loads the next law may have.  Local teeth,
+knocks and factors that follow the law change with it, so that caps are corrected in rounds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from math import inf
+
+from ncgear.design.keys.design import Design
+from ncgear.design.keys.optimize import Optimize
+from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
+from ncgear.figures.advice.strength_advice import unfollowed_motion
+from ncgear.optimum.makeable.wishes import Wishes
+from ncgear.optimum.task import Figures
+from ncgear.project.best_law import BestLaw, motion_keys
+from ncgear.project.law_task import drive_with, wishes_of
+from ncgear.project.strengthening import rating_of
+from ncgear.strength.holding import Damage
+
+KEY = "optimize.limits.teeth_hold"
+
+CAPPED = {Damage.CONTACT: ("flank_load_n_mm", 2.0), Damage.BENDING: ("tooth_force_n", 1.0)}
+"""For each damage the load that is capped, and the power of the safety to which the load is in proportion."""
+
+AIMED = 1.003
+"""Share of the wanted safety for which caps are set, so that the next law holds although factors change a little."""
+
+NEAR = 1.01
+"""Share of the wanted safety up to which a capped law counts as the best: caps of the next law differ by less than
+2 %, which is less than the rating knows."""
+
+MOST_LAWS = 8
+"""Most laws that are found in sequence; two or three are usual."""
+
+Caps = Mapping[Damage, float]
+"""A number for each damage."""
+
+
+class CappedLaw(BestLaw):
+    """The best law under caps of loads besides the limits of ``asked``; its certified limit is that of all laws."""
+
+    def __init__(self, asked: BestLaw, caps: Caps) -> None:
+        super().__init__(_capped(asked.given, caps), *asked.settings)
+        self._asked = asked
+
+    @property
+    def asked(self) -> Optimize:
+        """Goal and limits as the design file asks for them, without the caps."""
+        return self._asked.asked
+
+    @property
+    def wishes_of_limit(self) -> Wishes:
+        """The wishes as asked: which caps make teeth hold depends on the law, so they are no part of the proof."""
+        return wishes_of(self._asked.design)
+
+
+def holding(best: BestLaw, on_law: Callable[[int], None] = lambda laws: None) -> BestLaw:
+    """The best law whose teeth hold: ``best`` if its teeth do, else the best law found under caps of its loads.
+
+    ``on_law`` is called with the number of laws that were rated.  Raises NoSuchMechanism where no law was found whose
+    teeth hold, and WrongInput where the teeth of a law cannot be rated or
+    judged.
+    """
+    asked, caps, held, last = best, dict[Damage, float](), None, 0.0
+    for laws in range(1, MOST_LAWS + 1):
+        on_law(laws)
+        shares, most = _shares(best), _loads(best.figures)
+        if all(share >= 1.0 for share in shares.values()):
+            held = best if held is None or best.goal < held.goal else held
+        if held is best and min((shares[one] for one in caps), default=1.0) <= NEAR:
+            break
+        weak = [one for one, share in shares.items() if share < 1.0 or one in caps]
+        caps |= {one: most[one] * (shares[one] / AIMED) ** CAPPED[one][1] for one in weak}
+        if held is None and laws > 1 and min(shares.values()) <= last:
+            # Loads that do not follow the law, as of a jam or of knocks, decide
+            break
+        last = min(shares.values())
+        try:
+            best = CappedLaw(asked, caps)
+            best.law  # noqa: B018
+        except NoSuchMechanism as none:
+            if held is None:
+                raise _refusal(_with_offers(none, shares, most), laws, eased=True) from none
+            break
+    if held is None:
+        raise _refusal(shares, laws)
+    return held
+
+
+def _capped(design: Design, caps: Caps) -> Design:
+    """The design with caps of loads; limits of the same loads that are lower stay."""
+    asked = design.optimize
+    assert asked is not None
+    lower = {CAPPED[one][0]: min(cap, getattr(asked.limits, CAPPED[one][0]) or inf) for one, cap in caps.items()}
+    limits = asked.limits.model_copy(update=lower)
+    return design.model_copy(update={"optimize": asked.model_copy(update={"limits": limits})})
+
+
+def _loads(figures: Figures) -> dict[Damage, float]:
+    """The capped loads of a law."""
+    found = {one: getattr(figures, name) for one, (name, _) in CAPPED.items()}
+    assert None not in found.values()
+    return found
+
+
+def _shares(best: BestLaw) -> dict[Damage, float]:
+    """The least safety of the law's teeth over the wanted safety, for each kind of damage that is rated."""
+    try:
+        rating = rating_of(drive_with(best.design, motion_keys(best.law)))
+    except DesignError as error:
+        raise WrongInput(f"true, but the teeth of the best law cannot be rated: {error}", key=KEY) from error
+    if why := unfollowed_motion(rating):
+        raise WrongInput(f"true, but the strength of the teeth is not judged: {why}", key=KEY)
+    shares = dict[Damage, float]()
+    for one in rating.weakest:
+        shares[one.damage] = min(one.share, shares.get(one.damage, inf))
+    return shares
+
+
+def _with_offers(none: NoSuchMechanism, shares: Caps, most: Caps) -> dict[Damage, float]:
+    """The shares of wanted safeties with the caps that a refusal offers: the least loads for which laws were found."""
+    offered = dict(pair for offer in getattr(none, "offers", ()) for pair in offer.values)
+    least = {one: offered.get(f"optimize.limits.{name}", most[one]) for one, (name, _) in CAPPED.items()}
+    return {one: share * (most[one] / least[one]) ** (1.0 / CAPPED[one][1]) for one, share in shares.items()}
+
+
+def _refusal(shares: Caps, laws: int, *, eased: bool = False) -> NoSuchMechanism:
+    """The refusal after the last rating; ``eased``: ``shares`` are expected of the least loads that a law can have."""
+    damage, share = min(shares.items(), key=lambda one: one[1])
+    has = f"{100.0 * share:.3g} % of the safety wanted against {damage.words}"
+    rated = "1 law" if laws == 1 else f"{laws} laws"
+    said = f"a law of the least load that the limits allow has about {has}" if eased else f"the last has {has}"
+    return NoSuchMechanism(
+        f"no law was found whose teeth hold, after {rated}: {said}; ncgear size finds gears that hold, and ncgear "
+        "design law and gears together",
+        key=KEY,
+    )
