@@ -426,7 +426,8 @@ class Geared(Moving):
         """Why masses do not count, in words; None where they count."""
         if self.design.motion.is_open:
             return "gears turn less than once"
-        return "give them as masses" if self.design.masses is None else None
+        key = self.design.key_in_file("masses") or "masses"
+        return f"give them as {key}" if self.design.masses is None else None
 
     @property
     def gear_refusal(self) -> DesignError | None:

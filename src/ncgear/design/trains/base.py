@@ -59,6 +59,9 @@ class TrainKeys(Model):
         """Beginnings of keys, as ``gears.``, of which the train's and the machine's of one name change the same."""
         return ("gears.", "strength.", "tolerances.")
 
+    def require_bores(self) -> None:
+        """Raise WrongInput for a bore that leaves too little of any gear, if ``machine`` does not."""
+
     def machine(self) -> dict[str, Any] | None:
         """The keys of the same gears in the file of one machine, by themselves, so that every command takes them.
 

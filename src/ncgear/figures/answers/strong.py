@@ -300,6 +300,7 @@ def sized_design(loaded: LoadedDesign, one: Sized, asked: dict[str, float | str]
     """The text of a design file with other gears and with what was asked for, its name and description saying so."""
     design = loaded.design
     chosen = {key: whole(value) if isinstance(value, float) else value for key, value in (asked | one.changes).items()}
-    said = f"Sized: {design.name} with {listed(map(str, changed(chosen)), 'and')}, so that its teeth hold."
+    keys = listed(map(str, in_file(design, changed(chosen))), "and")
+    said = f"Sized: {design.name} with {keys}, so that its teeth hold."
     values = {**chosen, **dict.fromkeys(stated_inertias(design))}
-    return told_copy(loaded, SUFFIX, said, values)
+    return told_copy(loaded, SUFFIX, said, {design.key_in_file(key) or key: one for key, one in values.items()})
