@@ -121,7 +121,7 @@ def test_check_and_machine_refuse_the_same_bore_with_the_largest_for_all_gears()
 def test_a_wrong_count_of_bends_is_told_by_the_key_of_the_file(run: Run, command: str) -> None:
     status, _, err = run(command, str(written(CHAIN.replace("ratio:", "bends_deg: [10, 20]\n  ratio:"))))
     assert status == 2
-    assert "train.bends_deg: 2 given, but 3 gears have one idler; as many bends are right" in err
+    assert "train.bends_deg: 2 given for one idler of 3 gears; one for each is right" in err
 
 
 @pytest.mark.usefixtures("run")

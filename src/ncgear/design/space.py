@@ -258,7 +258,7 @@ def checked_design(data: dict[str, Any], keys: Sequence[str], values: Iterable[f
             return made
         data = made.machine() or data
         model = design_model(data)
-        return model.model_validate(data)
+        return model.model_validate(data).of_train(made.alone)
     except ValidationError as error:
         first = problems(error, model, data)[0]
         return WrongInput(first.text, key=first.key)

@@ -545,7 +545,8 @@ class Geared(Moving):
         """Raise WrongInput where there are more pairs of gears."""
         if self.design.stages > 1:
             said, key = self.design.stages_said
-            raise WrongInput(f"{said}; these forces are computed of one", key=key)
+            problem = f"{said}; teeth under load are followed of one; ncgear simulate --level rigid computes forces"
+            raise WrongInput(problem, key=key)
 
     def _rigid(self, driving: Callable[[], DrivingShaft]) -> Rigid:
         from ncgear.dynamics.rigid import rigid_level

@@ -215,7 +215,11 @@ def remedies(drive: Drive, rating: Rating, seconds: float = MOST_SECONDS) -> tup
     with suppress(TimeIsOver), at_most(seconds):
         tried.extend(enough(search, drive, rating) for search in ENOUGH)
     found = (replace(one, changes=in_file(drive.design, one.changes)) for one in tried if one)
-    return (*found, _together(drive))
+    left = (CUT.format(seconds=seconds),) if len(tried) < len(ENOUGH) else ()
+    return (*found, _together(drive), *map(Remedy, left))
+
+
+CUT = "other changes may do, too: trials end after {seconds:g} s of processor time"
 
 
 def _together(drive: Drive) -> Remedy:
