@@ -34,6 +34,8 @@ from ncgear.strength.holding import Damage, Weakest, lives_of
 LOADS = {
     "masses": "the machine with its masses{jam}, at constant driving speed",
     "resistance": "the resistance{alone}: no masses are given, so forces of inertia are not counted",
+    "series": "the machine with its masses{jam}, at constant driving speed; not followed: swings of {pairs} on their "
+    "teeth",
     "row": "the torque at the last gear; every mesh passes on its power",
     "jam": "a jam alone: nothing else that is given loads the teeth",
 }
@@ -44,8 +46,12 @@ def load_words(drive: Drive, strength: Strength) -> str:
     """What the load of the teeth follows from."""
     jam = " and a jam" if drive.conditions.overload else ""
     gears = drive.design.gears
-    by = "row" if strength.load == "resistance" and gears is not None and gears.idlers is not None else strength.load
-    return LOADS[by].format(jam=jam, alone=jam or " alone")
+    by: str = strength.load
+    if by == "resistance" and gears is not None and gears.idlers is not None:
+        by = "row"
+    elif by == "masses" and drive.design.stages > 2:
+        by = "series"
+    return LOADS[by].format(jam=jam, alone=jam or " alone", pairs=drive.design.stages_said[0])
 
 
 METHODS = {
@@ -375,9 +381,12 @@ HOLD = "The teeth hold: no safety is under the wanted one."
 WEAR = "No tooth breaks: no safety is under the wanted one; dry metal wears."
 
 
-def holding_words(wears: bool) -> str:
-    """What is said of teeth that hold; ``wears`` tells whether they are of metal and run dry."""
-    return WEAR if wears else HOLD
+AS_FOLLOWED = "No safety is under the wanted one, by the loads that are followed."
+
+
+def holding_words(wears: bool, judged: bool) -> str:
+    """What is said of teeth that hold, of metal that run dry (``wears``), or whose strength is not judged."""
+    return AS_FOLLOWED if not judged else WEAR if wears else HOLD
 
 
 def _degrees(angle_rad: float) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ncgear.figures.advice.verdict import State
+from ncgear.figures.advice.verdict import GOOD, GOOD_AS_JUDGED, State
 from ncgear.figures.answers.answer import Answer, Fault, Row
 from ncgear.figures.numbers import micrometres, to_digits
 from ncgear.numerics.units import in_words
@@ -89,7 +89,11 @@ def _meets(one: MeshContact, how: str, value_mm: float, at_rad: float) -> str:
     return f"{one.first} and {one.second} {how} {to_digits(value_mm, 3)} mm at {in_words(at_rad)}"
 
 
-TEETH = TrainCondition("teeth", None, "undercut, tips and strength; ncgear strength rates chains and planetary trains")
+TEETH = TrainCondition(
+    "teeth",
+    None,
+    "undercut, tips and strength; ncgear strength rates chains and planetary trains whose knocks it follows",
+)
 """What neither a check nor a build of a train says of its teeth."""
 
 
@@ -109,7 +113,7 @@ def train_answer(name: str, description: str, train: Train, conditions: Sequence
         tuple(rows),
         tuple(Fault(f"{one.name}: {one.said}", one.cures) for one in conditions if one.holds is False),
         about=description,
-        good="No warnings.",
+        good=GOOD_AS_JUDGED if unknown else GOOD,
         not_judged=f"Not judged: {', '.join(unknown)}." if unknown else "",
         then=then,
     )

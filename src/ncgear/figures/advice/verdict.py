@@ -44,6 +44,9 @@ class KnownParts(IntEnum):
 TEETH = KnownParts.TEETH
 
 
+GOOD, GOOD_AS_JUDGED = "No warnings.", "No warnings of what was judged."
+
+
 class State(StrEnum):
     """What was found of a condition."""
 
@@ -326,7 +329,7 @@ class Verdict:
     @property
     def good(self) -> str:
         """What is said where no condition is broken."""
-        return "No warnings of what was judged." if self.not_judged else "No warnings."
+        return GOOD_AS_JUDGED if self.not_judged else GOOD
 
     @property
     def table(self) -> list[dict[str, Any]]:

@@ -15,6 +15,7 @@ from ncgear.figures.simulated import SAME_AS_MESH
 from ncgear.figures.strong import decided_words
 from ncgear.figures.summary.check_summary import uniform_key
 from ncgear.project.drive import Drive
+from ncgear.project.rough_strength import refusal_of_series
 
 LEVELS = {
     Level.RIGID: "Torques and forces of rigid bodies, constant driving speed",
@@ -86,6 +87,8 @@ def simulated_answer(drive: Drive, level: Level, figures: Mapping[str, Any], ver
             rows += [row(key, figures["motion_in_time"][key]) for key in MOVED]
             rows += _not_followed(figures["band_of_stiffness"])
     after = AFTER[level if drive.design.stages == 1 else Level.DYNAMIC]
+    if refusal_of_series(drive):
+        after = "ncgear build {file}"
     return Answer(
         head_of(drive),
         tuple(rows),
