@@ -148,7 +148,7 @@ def fault(key: str, problem: str) -> PydanticCustomError:
     return PydanticCustomError(FAULT_TYPE, "{problem}", {"problem": problem, "key": key})
 
 
-def one_for_each(key: str, given: int, needed: int, noun: str, place: str) -> Faults:
+def counts(key: str, given: int, needed: int, noun: str, place: str) -> Faults:
     """The fault of a list of ``given`` values for ``needed`` things, as a ``noun`` and a ``place``; empty lists count
     as left out."""
     if given and given != needed:

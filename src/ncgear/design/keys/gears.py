@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 from pydantic import Field
 
-from ncgear.design.keys.base import Faults, Length, Model, Several, fault, one_for_each, optional, required
+from ncgear.design.keys.base import Faults, Length, Model, Several, counts, fault, optional, required
 from ncgear.design.keys.bodies import DrivenBody, GearBody
 from ncgear.design.keys.strength import WrittenMaterials
 from ncgear.design.words import listed
@@ -252,7 +252,7 @@ class Idlers(Model):
 
     def _faults(self) -> Faults:
         idlers = len(self.lobes)
-        yield from one_for_each("bends_deg", len(self.bends_deg), idlers, "idler", f"of {idlers + 2} gears")
+        yield from counts("bends_deg", len(self.bends_deg), idlers, "idler", f"of {idlers + 2} gears")
 
     @property
     def directions_rad(self) -> tuple[float, ...]:

@@ -13,18 +13,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from ncgear.design.keys.base import (
-    Faults,
-    Model,
-    Place,
-    Positive,
-    Several,
-    Speed,
-    fault,
-    one_for_each,
-    optional,
-    required,
-)
+from ncgear.design.keys.base import Faults, Model, Place, Positive, Several, Speed, counts, fault, optional, required
 from ncgear.design.words import COUNTS
 from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.units import STANDARD_GRAVITY_M_S2
@@ -134,7 +123,7 @@ class GearMasses(Model):
 def shafts_counted(masses: GearMasses | None, pairs: int) -> Faults:
     """The fault of a list of moments of inertia that is not one for each shaft between pairs of gears in series."""
     given, of = len(masses.shafts_between_kg_mm2) if masses else 0, f"{COUNTS[pairs]} pair{'s' * (pairs != 1)} of gears"
-    yield from one_for_each("masses.shaft_between_kg_mm2", given, pairs - 1, "shaft", f"between {of}")
+    yield from counts("masses.shaft_between_kg_mm2", given, pairs - 1, "shaft", f"between {of}")
 
 
 class DrivenShaftMasses(GearMasses, first=True):

@@ -7,17 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from pydantic import Field
 
-from ncgear.design.keys.base import (
-    FORMULA,
-    Expression,
-    Faults,
-    Length,
-    Several,
-    fault,
-    one_for_each,
-    optional,
-    required,
-)
+from ncgear.design.keys.base import FORMULA, Expression, Faults, Length, Several, counts, fault, optional, required
 from ncgear.design.keys.gears import MOST_IDLERS, Bend, Lobe
 from ncgear.design.keys.masses import DrivenShaftMasses, shafts_counted
 from ncgear.design.trains.base import RatedGears, RatedTrain
@@ -83,7 +73,7 @@ class Chain(RatedTrain):
 
     def _each_idler_has_its_bend(self) -> Faults:
         gears, bends = len(self.lobes), len(self.bends_deg)
-        yield from one_for_each("bends_deg", bends, gears - 2, "idler", f"of {gears} gears")
+        yield from counts("bends_deg", bends, gears - 2, "idler", f"of {gears} gears")
 
     def _each_shaft_between_has_its_inertia(self) -> Faults:
         yield from shafts_counted(self.masses, len(self.lobes) - 1)

@@ -31,8 +31,6 @@ AFTER = {
 }
 """What to run after each level, where the design has gears; several pairs have the rigid level only."""
 
-LAST_MESH = "peak_mesh_force_n"
-
 COMPARED = (
     "peak_driving_torque_n_m",
     "least_driving_torque_n_m",
@@ -42,7 +40,7 @@ COMPARED = (
     "peak_power_resistance_w",
     "energy_swing_j",
     "inertia_for_speed_fluctuation_kg_m2",
-    LAST_MESH,
+    "peak_mesh_force_n",
 )
 """What is told of both machines at the rigid level, besides the peaks of forces in joints."""
 
@@ -71,9 +69,7 @@ def simulated_answer(drive: Drive, level: Level, figures: Mapping[str, Any], ver
             own, other = figures["this_design"], figures[uniform]
             heads = THIS, drive.linkage.UNIFORM
             about += _changing_flanks(drive, own)
-            many = _of_many_pairs(own) if drive.design.stages > 2 else {}
-            rows = _compared({key: value for key, value in own.items() if key not in many}, other)
-            rows += [*_told_together(own, many), *_around(figures.get("drivetrain", {}))]
+            rows = [*_compared(own, other, drive.design.stages), *_around(figures.get("drivetrain", {}))]
         case Level.QUASI_STATIC:
             loaded, band = figures["loaded_contact"], figures["band_of_stiffness"]
             shares = [one["stiffness_factor"] for one in (band["softer"], band["stiffer"])]
@@ -118,27 +114,21 @@ def _changing_flanks(drive: Drive, own: Mapping[str, Any]) -> str:
     return f"; without knocks where the load changes flanks, {changes} times a cycle (ncgear strength)"
 
 
-def _of_many_pairs(own: Mapping[str, Any]) -> dict[str, str]:
-    """The keys of the forces of all meshes, from the first on, and of the bearings of all shafts, with their kind."""
-    meshes = [key for key in own if key.endswith("_mesh_force_n") and key.startswith("peak_")]
-    bearings = [key for key in own if key.endswith("_bearing_force_n")]
-    in_order = [*(key for key in meshes if key != LAST_MESH), LAST_MESH]
-    return dict.fromkeys(in_order, "mesh forces") | dict.fromkeys(bearings, "bearing forces")
-
-
-def _told_together(own: Mapping[str, Any], many: Mapping[str, str]) -> list[Row]:
-    """One row for each kind of force, since the forces of many pairs take more lines than a screen has."""
-    return [
-        Row(kind, (f"at most {', '.join(figure(key, own[key]) for key in many if many[key] == kind)}, in their order",))
-        for kind in dict.fromkeys(many.values())
-    ]
-
-
-def _compared(own: Mapping[str, Any], other: Mapping[str, Any]) -> list[Row]:
+def _compared(own: Mapping[str, Any], other: Mapping[str, Any], pairs: int) -> list[Row]:
+    """Rows of both machines; forces of more than two pairs, for which a screen is too small, in a line of each kind."""
     told = {*COMPARED, SAME_AS_MESH}
     joints = [key for key in own if key.startswith("peak_") and key.endswith("_force_n") and key not in told]
-    keys = [key for key in (*COMPARED, *joints) if key in own]
-    return [_beside(key, own[key], other.get(key)) for key in keys]
+    keys, together = [key for key in (*COMPARED, *joints) if key in own], dict[str, list[str]]()
+    if pairs > 2:
+        last, *meshes = (key for key in own if key.startswith("peak_") and key.endswith(MANY[0]))
+        together = {"mesh forces": [*meshes, last], "bearing forces": [key for key in own if key.endswith(MANY[1])]}
+    said = {name: ", ".join(figure(key, own[key]) for key in of) for name, of in together.items()}
+    rows = [_beside(key, own[key], other.get(key)) for key in keys if not (together and key.endswith(MANY))]
+    return [*rows, *(Row(name, (f"at most {text}, from the driving shaft on",)) for name, text in said.items())]
+
+
+MANY = "mesh_force_n", "bearing_force_n"
+"""How the keys of forces end that each pair or shaft has."""
 
 
 def _beside(key: str, own: float, other: float | None) -> Row:
