@@ -384,7 +384,7 @@ WEAR = "No tooth breaks: no safety is under the wanted one; dry metal wears."
 AS_FOLLOWED = "No safety is under the wanted one, by the loads that are followed."
 
 
-def holding_words(wears: bool, judged: bool) -> str:
+def holding_words(*, wears: bool, judged: bool) -> str:
     """What is said of teeth that hold, of metal that run dry (``wears``), or whose strength is not judged."""
     return AS_FOLLOWED if not judged else WEAR if wears else HOLD
 

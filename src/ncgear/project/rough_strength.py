@@ -165,10 +165,11 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
 
 def refusal_of_series(drive: Drive) -> DesignError | None:
     """Why no teeth tell the strength of more than two pairs with masses; None where they do."""
-    from ncgear.project.forces import require_no_changes_of_flanks
-
     if drive.design.masses is None or drive.design.stages <= 2:
         return None
+    # Checks of other machines load no module of contact.
+    from ncgear.project.forces import require_no_changes_of_flanks
+
     try:
         require_no_changes_of_flanks([asked_of(pair) for pair in drive.whole.by_stage])
     except DesignError as refusal:

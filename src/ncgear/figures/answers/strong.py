@@ -79,7 +79,7 @@ def strength_answer(
     design, faults = drive.design, [*(fault for _, fault in sorted(weak, key=lambda one: one[0])), *worn_out]
     others = faults_of(verdict.without(Kind.STRENGTH))
     judged = all(row.state is not State.NOT_JUDGED for row in verdict.rows if row.kind is Kind.STRENGTH)
-    held = holding_words(any(rating.strength.wears for _, rating, *_ in pairs), judged)
+    held = holding_words(wears=any(rating.strength.wears for _, rating, *_ in pairs), judged=judged)
     return Answer(
         f"{design.name}: strength of the teeth at {design.operation.speed_rpm:g} r/min",
         # What was asked for stays where a screen is too small
