@@ -7,11 +7,24 @@ from collections.abc import Mapping, Sequence
 from math import degrees, floor, isfinite, log10, radians
 from typing import Any
 
-from ncgear.numerics.digits import NOISE
-from ncgear.numerics.digits import finite as finite
-from ncgear.numerics.digits import rounded as rounded
-from ncgear.numerics.digits import to_digits as to_digits
+from ncgear.errors import Unanswered
 from ncgear.numerics.units import placed_rad
+
+
+def finite(value: Any, name: str) -> Any:
+    """The value, the same; Unanswered, which names it, where it or a part of it is no finite number.
+
+    This is the check at the way out: everything that is told or written as text, table or JSON goes through it.
+    """
+    if isinstance(value, float) and not isfinite(value):
+        raise Unanswered(f"{name} is {value}, which is no figure of a machine")
+    if isinstance(value, Mapping):
+        for key, part in value.items():
+            finite(part, f"{name}.{key}" if name else str(key))
+    elif isinstance(value, list | tuple):
+        for place, part in enumerate(value):
+            finite(part, f"{name}.{place}" if name else str(place))
+    return value
 
 
 def known(value: float) -> float | None:
@@ -26,15 +39,21 @@ MICRORAD = "\u00b5rad"
 """Millionths of a radian: 0.1 micrometre on a radius of 100 mm."""
 
 NOISE_DECIMALS = {MICRORAD: 3, "kg m2": 15, "W": 24}
-"""Decimals beyond which a figure of these units holds rounding errors only; NOISE of any other.
+NOISE = 9
+"""Decimals beyond which a figure holds rounding errors only, by its unit, and of any other unit.
 
-The inertia of a small part is a few 1e-9 kg m2.  Powers are settled beside the largest of their machine before they are
-told, and those of the smallest machines count in digits, too.
+A nanometre of a metre is 1e-9 rad; the inertia of a small part is a few 1e-9 kg m2.  Powers are settled beside the
+largest of their machine before they are told, and those of the smallest machines count in digits, too.
 """
 
 
 NOTHING_MM = 1e-9
 """A length that no drawing shows: far below the smallest teeth, and above the rounding errors of a metre."""
+
+
+def rounded(value: float, decimals: int) -> float:
+    """The value to so many decimals; a zero has no sign.  Unanswered for no finite number."""
+    return round(float(finite(value, "a figure")), decimals) + 0.0
 
 
 def drawn(value: float, unit: str) -> str:
@@ -61,6 +80,15 @@ def to_size(value_mm: float, largest_mm: float) -> float:
 def fixed(value: float, decimals: int) -> str:
     """A figure with so many decimals; a zero has no minus.  Unanswered for no finite number."""
     return f"{rounded(value, decimals):.{decimals}f}"
+
+
+def to_digits(value: float, digits: int) -> str:
+    """A figure to so many significant digits, or to whole numbers; rounding errors about zero are 0.
+
+    Raises Unanswered for no finite number.
+    """
+    settled = rounded(value, NOISE)
+    return f"{settled:.0f}" if abs(settled) >= 10.0**digits else f"{settled:.{digits}g}"
 
 
 def placed(angle_deg: float) -> str:

@@ -16,7 +16,6 @@ import numpy as np
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
-from ncgear.numerics.digits import to_digits
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
 from ncgear.ratio.laws.row import beta_rad, row_train
@@ -67,10 +66,8 @@ class PairRow:
             apart, needed = float(np.abs(axes[last] - axes[first])), least[first] + least[last]
             if last > first + 1 and apart < needed:
                 raise NoSuchMechanism(
-                    f"gears {first + 1} and {last + 1} of the row overlap at every angle: their axes are "
-                    f"{to_digits(apart, 5)} "
-                    f"mm apart, and the least radii of their pitch curves are {to_digits(needed, 5)} mm together; "
-                    f"smaller bends, "
+                    f"gears {first + 1} and {last + 1} of the row overlap at every angle: their axes are {apart:.5g} "
+                    f"mm apart, and the least radii of their pitch curves are {needed:.5g} mm together; smaller bends, "
                     "or bends to both sides, spread the row",
                     key=key,
                 )
@@ -197,12 +194,11 @@ def _told(row: PairRow, contact_ratio: float) -> TrainFigures:
     distances = [pair.center_distance_mm for pair in row.pairs]
     convex = [pair.convex(gear) for pair in row.pairs for gear in Gear]
     rows = (
-        ("gears", f"{', '.join(map(str, row.teeth))} teeth, module {to_digits(row.pairs[0].size.module_mm, 6)} mm"),
-        ("axes", f"{', '.join(f'{to_digits(one, 6)}' for one in distances)} mm apart"),
+        ("gears", f"{', '.join(map(str, row.teeth))} teeth, module {row.pairs[0].size.module_mm:.6g} mm"),
+        ("axes", f"{', '.join(f'{one:.6g}' for one in distances)} mm apart"),
         (
             "ratio",
-            f"{to_digits(low.value, 5)} at {to_digits(degrees(low.at), 4)} deg to {to_digits(high.value, 5)} at "
-            f"{to_digits(degrees(high.at), 4)} deg from the "
+            f"{low.value:.5g} at {degrees(low.at):.4g} deg to {high.value:.5g} at {degrees(high.at):.4g} deg from the "
             "first gear to the last",
         ),
         ("pitch curves", "all convex" if all(convex) else "some concave: a pinion cuts all gears"),

@@ -26,7 +26,6 @@ from ncgear.frozen import dataclass
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.chebyshev import PiecewiseChebyshev
-from ncgear.numerics.digits import to_digits
 from ncgear.numerics.units import CM3_PER_MM3, N_M_PER_N_MM
 from ncgear.pitch.chambers import Chambers
 from ncgear.pitch.curve import ClosedPitchCurve
@@ -138,8 +137,7 @@ def _cutter(curve: ClosedPitchCurve, teeth: MotorTeeth) -> PinionCircle:
     depth = gouged_mm(curve, teeth.rack, 1.0 / pinion.radius_mm)
     if not depth <= HARMLESS * module:
         raise NoSuchMechanism(
-            f"a pinion cutter of {count} teeth does not go into the hollows: it would cut {to_digits(depth, 3)} mm "
-            f"deep into "
+            f"a pinion cutter of {count} teeth does not go into the hollows: it would cut {depth:.3g} mm deep into "
             f"flanks there; {teeth.planet_teeth} teeth, as a planet has, go into all of them",
             key="gears.cutter_teeth",
         )
@@ -273,27 +271,24 @@ def _told(
         ),
         (
             "pitch radii",
-            f"sun {to_digits(inner, 5)} to {to_digits(outer, 5)} mm, planets "
-            f"{to_digits(curves.planet_radius_mm, 5)} mm, ring {to_digits(near, 5)} to "
-            f"{to_digits(far, 5)} mm",
+            f"sun {inner:.5g} to {outer:.5g} mm, planets {curves.planet_radius_mm:.5g} mm, ring {near:.5g} to "
+            f"{far:.5g} mm",
         ),
         (
             "displacement",
-            f"{to_digits(per_turn_cm3, 5)} cm3 per turn of the sun, {chambers.pulses} pulses of "
-            f"{to_digits(100.0 * chambers.pulsation, 3)} % of the mean flow; "
-            f"{to_digits(per_turn_cm3 * speed_rpm * L_PER_CM3, 4)} l/min",
+            f"{per_turn_cm3:.5g} cm3 per turn of the sun, {chambers.pulses} pulses of "
+            f"{100.0 * chambers.pulsation:.3g} % of the mean flow; {per_turn_cm3 * speed_rpm * L_PER_CM3:.4g} l/min",
         ),
         (
             "chambers",
-            f"{chambers.count}, each {to_digits(least.area_mm2, 5)} to {to_digits(most.area_mm2, 5)} mm2 and "
-            f"{to_digits(curves.sun_lobes * curves.ring_lobes / chambers.count, 4)} times filled a turn",
+            f"{chambers.count}, each {least.area_mm2:.5g} to {most.area_mm2:.5g} mm2 and "
+            f"{curves.sun_lobes * curves.ring_lobes / chambers.count:.4g} times filled a turn",
         ),
         (
             "ports",
-            f"{2 * curves.ring_lobes} at {to_digits(ports[0].distance_mm, 5)} mm from the axis, of up to "
-            f"{to_digits(2.0 * max(ports[0].radius_mm, 0.0), 4)} mm diameter, at "
-            f"{to_digits(degrees(ports[0].direction_rad), 4)} (growing "
-            f"chambers) and {to_digits(degrees(ports[1].direction_rad), 4)} deg from a lobe of the ring",
+            f"{2 * curves.ring_lobes} at {ports[0].distance_mm:.5g} mm from the axis, of up to "
+            f"{2.0 * max(ports[0].radius_mm, 0.0):.4g} mm diameter, at {degrees(ports[0].direction_rad):.4g} (growing "
+            f"chambers) and {degrees(ports[1].direction_rad):.4g} deg from a lobe of the ring",
         ),
     ]
     figures = {
@@ -337,9 +332,8 @@ def _told(
         rows.append(
             (
                 "under pressure",
-                f"{pressure_mpa:g} MPa turn the sun with {to_digits(torques[0], 4)} to {to_digits(torques[1], 4)} "
-                f"N m, and load the "
-                f"teeth of a planet with up to {to_digits(force.value, 4)} N on either side",
+                f"{pressure_mpa:g} MPa turn the sun with {torques[0]:.4g} to {torques[1]:.4g} N m, and load the "
+                f"teeth of a planet with up to {force.value:.4g} N on either side",
             )
         )
         figures |= {
@@ -375,7 +369,7 @@ def _conditions(gears: MotorGears, port_mm: float, teeth: MotorTeeth) -> tuple[T
     sealed = port_mm > 0.0
     covered = "planets cover every port at the dead spaces beside it"
     if not sealed:
-        covered = f"no planet covers a port at both dead spaces beside it: they miss it by {to_digits(-port_mm, 3)} mm"
+        covered = f"no planet covers a port at both dead spaces beside it: they miss it by {-port_mm:.3g} mm"
     return (
         TrainCondition("dead spaces", sealed, covered, () if sealed else ("larger planets: fewer teeth per lobe",)),
         contact_condition(gears.contact_ratio, *cures),

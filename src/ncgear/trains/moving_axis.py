@@ -13,7 +13,6 @@ import numpy as np
 from ncgear.errors import NoSuchMechanism, below
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.digits import to_digits
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.pitch.moving_axes import MovingAxes
 from ncgear.pitch.shape import Gear
@@ -43,8 +42,7 @@ def module_mm(axes: MovingAxes, teeth: int) -> float:
     lobes = axes.lobes
     if teeth * lobes.driven % lobes.driving:
         raise NoSuchMechanism(
-            f"{teeth} teeth on the driving gear make {to_digits(teeth * lobes.driven / lobes.driving, 4)} on the "
-            f"driven one; a "
+            f"{teeth} teeth on the driving gear make {teeth * lobes.driven / lobes.driving:.4g} on the driven one; a "
             f"multiple of {lobes.teeth_step} is needed",
             key="train.gears.teeth",
         )
@@ -119,17 +117,16 @@ def _told(
     speed = max(abs(slow.value), abs(fast.value))
     undercut = {name: gear.undercut for name, gear in (("driving", gears.driving), ("driven", gears.driven))}
     rows = [
-        ("gears", f"{gears.driving.teeth} and {gears.driven.teeth} teeth, module {to_digits(module, 6)} mm"),
+        ("gears", f"{gears.driving.teeth} and {gears.driven.teeth} teeth, module {module:.6g} mm"),
         (
             "axes",
-            f"{to_digits(near.value, 6)} mm apart at {to_digits(degrees(near.at), 4)} deg to "
-            f"{to_digits(far.value, 6)} mm at "
-            f"{to_digits(degrees(far.at), 4)} deg; the driven axis moves by up to {to_digits(speed, 4)} mm per rad, "
-            f"{to_digits(speed * speed_rpm * RAD_S_PER_RPM, 4)} mm/s",
+            f"{near.value:.6g} mm apart at {degrees(near.at):.4g} deg to {far.value:.6g} mm at "
+            f"{degrees(far.at):.4g} deg; the driven axis moves by up to {speed:.4g} mm per rad, "
+            f"{speed * speed_rpm * RAD_S_PER_RPM:.4g} mm/s",
         ),
-        ("pitch point", f"up to {to_digits(offset, 4)} mm beside the line of centres"),
-        ("ratio", f"{to_digits(ratios[0].value, 5)} to {to_digits(ratios[1].value, 5)}"),
-        *([("driving gear", f"round, pitch radius {to_digits(radius_mm, 6)} mm")] if radius_mm is not None else []),
+        ("pitch point", f"up to {offset:.4g} mm beside the line of centres"),
+        ("ratio", f"{ratios[0].value:.5g} to {ratios[1].value:.5g}"),
+        *([("driving gear", f"round, pitch radius {radius_mm:.6g} mm")] if radius_mm is not None else []),
     ]
     figures = {
         "module_mm": module,
@@ -146,5 +143,5 @@ def _told(
         "contact_ratio_min": gears.contact_ratio,
     }
     contact = contact_condition(gears.contact_ratio, "more teeth (train.gears.teeth)", "a smaller range of distances")
-    head = f"pair on a moving axis, {to_digits(near.value, 5)} to {to_digits(far.value, 5)} mm apart"
+    head = f"pair on a moving axis, {near.value:.5g} to {far.value:.5g} mm apart"
     return TrainFigures(head, tuple(rows), figures, (contact,))

@@ -16,7 +16,6 @@ import numpy as np
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, Mask
-from ncgear.numerics.digits import to_digits
 from ncgear.trains.tip_path import FINE, TipMotion, WishedPath
 
 WAVES = 12
@@ -114,11 +113,7 @@ def carrier_pace(
     missed = max((float(np.abs(row @ found - share)) for row, share in zip(equal, shares, strict=True)), default=0.0)
     if short < -KEPT or missed > KEPT:
         needed = float(least.mean())
-        said = (
-            f"the stretches as slow as that take {to_digits(needed, 3)} cycles"
-            if needed > 1.0
-            else "one hinders another"
-        )
+        said = f"the stretches as slow as that take {needed:.3g} cycles" if needed > 1.0 else "one hinders another"
         alike = f"; with {arms} arms the carrier does {arms} times a turn what one of them needs" if arms > 1 else ""
         raise NoSuchMechanism(
             f"no smooth turning of the carrier keeps all of them: {said}{alike}; greater speeds, shares nearer to "

@@ -14,7 +14,6 @@ import numpy as np
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray
-from ncgear.numerics.digits import to_digits
 from ncgear.trains.tip_path import GRID, NOT_PASSED, NoPath, TipMotion, WishedPath, missed_mm, motion_from
 
 
@@ -234,25 +233,22 @@ def _accepted(found: TipMotion | NoPath, path: WishedPath, limits: PathLimits, a
         near = path.name(int(np.argmin(np.abs(path.points - where))))
         turned = "would have to turn back" if ratio.min() <= 0.0 else "all but stands"
         raise NoSuchMechanism(
-            f"the carrier {turned} against the sun near point {near}, at {to_digits(where.real, 4)}, "
-            f"{to_digits(where.imag, 4)} mm, while "
-            f"the planet turns on (du/dw = {to_digits(ratio.min(), 3)}); no gears can do that; {helps}",
+            f"the carrier {turned} against the sun near point {near}, at {where.real:.4g}, {where.imag:.4g} mm, while "
+            f"the planet turns on (du/dw = {ratio.min():.3g}); no gears can do that; {helps}",
             key="path.points_mm",
         )
     share, crowd = burden(found, limits), crowding(found, limits)
     if crowd > 1.0 and crowd >= share:
         raise NoSuchMechanism(
-            f"{limits.arms} arms come nearer to each other than {to_digits(limits.apart_mm, 4)} mm wherever the "
-            f"carrier's axis "
+            f"{limits.arms} arms come nearer to each other than {limits.apart_mm:.4g} mm wherever the carrier's axis "
             "is; fewer arms, a smaller bar_width_mm, or another path is right",
             key="path.points_mm",
         )
     longest = max(found.carrier_mm, found.arm_mm)
     if longest > limits.longest_mm:
         raise NoSuchMechanism(
-            f"the best train has a carrier of {to_digits(found.carrier_mm, 4)} mm and an arm of "
-            f"{to_digits(found.arm_mm, 4)} mm, and "
-            f"{limits.longest_mm:g} mm are allowed; {to_digits(longest, 4)} mm or more is right, or more teeth",
+            f"the best train has a carrier of {found.carrier_mm:.4g} mm and an arm of {found.arm_mm:.4g} mm, and "
+            f"{limits.longest_mm:g} mm are allowed; {longest:.4g} mm or more is right, or more teeth",
             key="path.longest_mm",
         )
     if share > MOST_BURDEN:
@@ -260,16 +256,15 @@ def _accepted(found: TipMotion | NoPath, path: WishedPath, limits: PathLimits, a
         worst = int(np.argmax(np.abs(tangent).max(axis=0)))
         where = found.tip(w[[worst]])[0]
         raise NoSuchMechanism(
-            f"the gears would need {to_digits(share, 3)} times what teeth bear, worst near {to_digits(where.real, 4)}, "
-            f"{to_digits(where.imag, 4)} mm; {helps}, or more teeth",
+            f"the gears would need {share:.3g} times what teeth bear, worst near {where.real:.4g}, "
+            f"{where.imag:.4g} mm; {helps}, or more teeth",
             key="path.points_mm",
         )
     if _tool_missed(found, path) > TOOL_ROUNDING:
         missed_deg = degrees(tool_mount(found, path)[1])
         raise NoSuchMechanism(
-            f"the best train misses the tool's angles by {to_digits(missed_deg, 3)} deg and "
-            f"{to_digits(degrees(path.tool_tolerance_rad), 3)} deg are allowed; a larger tool_tolerance_deg, or "
-            f"fewer angles",
+            f"the best train misses the tool's angles by {missed_deg:.3g} deg and "
+            f"{degrees(path.tool_tolerance_rad):.3g} deg are allowed; a larger tool_tolerance_deg, or fewer angles",
             key="path.tool",
         )
     missed = missed_mm(found, path)
@@ -277,8 +272,7 @@ def _accepted(found: TipMotion | NoPath, path: WishedPath, limits: PathLimits, a
     if over.max() > 1.0:
         number = int(np.argmax(over))
         raise NoSuchMechanism(
-            f"the best path misses it by {to_digits(missed[number], 4)} mm and {path.tolerance_mm[number]:g} mm "
-            f"are allowed; "
+            f"the best path misses it by {missed[number]:.4g} mm and {path.tolerance_mm[number]:g} mm are allowed; "
             f"{helps}",
             key=f"path.points_mm.{path.name(number) - 1}",
         )

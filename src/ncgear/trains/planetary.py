@@ -23,7 +23,6 @@ import numpy as np
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.digits import to_digits
 from ncgear.numerics.plane import as_points
 from ncgear.pitch.arc_length import arc_length
 from ncgear.pitch.pair import PitchPair
@@ -103,10 +102,8 @@ def compound_chain(
     first, second = (pitch.center_distance_mm for pitch in pitches)
     if not abs(first - second) < carrier_mm <= (first + second) * (1.0 + STRAIGHT):
         raise NoSuchMechanism(
-            f"the centre distances {to_digits(first, 6)} and {to_digits(second, 6)} mm do not span the "
-            f"{to_digits(carrier_mm, 6)} mm from sun to "
-            f"planet; a module of {to_digits(carrier_mm / (first + second) * pitches[0].size.module_mm, 6)} mm or "
-            f"more, or more "
+            f"the centre distances {first:.6g} and {second:.6g} mm do not span the {carrier_mm:.6g} mm from sun to "
+            f"planet; a module of {carrier_mm / (first + second) * pitches[0].size.module_mm:.6g} mm or more, or more "
             "teeth, is right",
             key="train.gears",
         )

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from ncgear.numerics.arrays import Array, ComplexArray
-from ncgear.numerics.digits import to_digits
 from ncgear.numerics.plane import as_complex
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
@@ -60,27 +59,20 @@ def told_of(
         "max_pressure_angle_deg": pressure,
         "convex": not dented,
     }
-    module = " and ".join(f"{to_digits(one, 4)}" for one in dict.fromkeys(round(p.size.module_mm, 6) for p in pitches))
-    distance = " and ".join(f"{to_digits(pitch.center_distance_mm, 6)}" for pitch in pitches)
+    module = " and ".join(f"{one:.4g}" for one in dict.fromkeys(round(p.size.module_mm, 6) for p in pitches))
+    distance = " and ".join(f"{pitch.center_distance_mm:.6g}" for pitch in pitches)
     ratios = ", ".join(
-        f"{to_digits(low, 4)} to {to_digits(high, 4)}"
-        for low, high in zip(figures["ratio_min"], figures["ratio_max"], strict=True)
+        f"{low:.4g} to {high:.4g}" for low, high in zip(figures["ratio_min"], figures["ratio_max"], strict=True)
     )
     rows = [
-        (
-            "carrier",
-            f"{to_digits(abs(planet - sun), 6)} mm from sun to planet, its axis at {to_digits(sun.real, 5)}, "
-            f"{to_digits(sun.imag, 5)} mm",
-        ),
+        ("carrier", f"{abs(planet - sun):.6g} mm from sun to planet, its axis at {sun.real:.5g}, {sun.imag:.5g} mm"),
         ("gears", f"{pitches[0].size.driving_teeth} teeth, module {module} mm, centre distances {distance} mm"),
         ("ratio of each pair", ratios),
-        ("pressure angle", f"{to_digits(pressure, 4)} deg at most"),
+        ("pressure angle", f"{pressure:.4g} deg at most"),
     ]
     if pace is not None:
         closed = pace / pace.mean()
-        said = (
-            f"the shaft that drives it turns {to_digits(closed.min(), 4)} to {to_digits(closed.max(), 4)} times as fast"
-        )
+        said = f"the shaft that drives it turns {closed.min():.4g} to {closed.max():.4g} times as fast"
         rows.append(("pace of the carrier", said))
         figures["carrier_ratio"] = closed.tolist()
     conditions = [_closing(train)]
@@ -88,12 +80,7 @@ def told_of(
         path_rows, path_figures, condition = _of_path(train, wished, forward_mm_s)
         if wished is not None and motion is not None and wished.tool_rad:
             mount, missed = (degrees(one) for one in tool_mount(motion, wished))
-            path_rows.append(
-                (
-                    "tool",
-                    f"{to_digits(mount, 4)} deg from the arm, its angles missed by {to_digits(missed, 3)} deg at most",
-                )
-            )
+            path_rows.append(("tool", f"{mount:.4g} deg from the arm, its angles missed by {missed:.3g} deg at most"))
             path_figures |= {"tool_mount_deg": mount, "tool_missed_max_deg": missed}
         rows += path_rows
         figures |= path_figures
@@ -133,11 +120,8 @@ def _of_loads(
     now, left = float(np.abs(loads.force_n).max()), float(np.abs(loads.left_n).max())
     weight, where = abs(loads.counterweight_kg_mm), float(np.degrees(np.angle(loads.counterweight_kg_mm)))
     rows = [
-        ("torque of the carrier", f"{to_digits(low, 4)} to {to_digits(high, 4)} N m at even speed, without friction"),
-        (
-            "on the frame",
-            f"inertia forces to {to_digits(now, 4)} N, moment to {to_digits(np.abs(loads.moment_n_m).max(), 4)} N m",
-        ),
+        ("torque of the carrier", f"{low:.4g} to {high:.4g} N m at even speed, without friction"),
+        ("on the frame", f"inertia forces to {now:.4g} N, moment to {np.abs(loads.moment_n_m).max():.4g} N m"),
     ]
     figures = {
         "mass_kg": loads.mass_kg,
@@ -151,9 +135,8 @@ def _of_loads(
         "shaking_force_left_max_n": left,
     }
     needed = left < (1.0 - WORTH) * now
-    would = f"{to_digits(weight, 4)} kg mm on the carrier, at first at {to_digits(where, 4)} deg, would leave "
-    f"{to_digits(left, 4)} of {to_digits(now, 4)} N"
-    balanced = f"no counterweight on the carrier takes a tenth off its {to_digits(now, 4)} N"
+    would = f"{weight:.4g} kg mm on the carrier, at first at {where:.4g} deg, would leave {left:.4g} of {now:.4g} N"
+    balanced = f"no counterweight on the carrier takes a tenth off its {now:.4g} N"
     balance = TrainCondition("balance", not needed, would if needed else balanced)
     forces = TrainCondition("forces", None, "a check rates no teeth, shafts and bearings; the torque is told")
     return rows, figures, (balance, forces)
@@ -174,7 +157,7 @@ def _of_path(
         "path_length_mm": float(np.abs(np.diff(places)).sum()),
         "tip_speed_max_mm_s": float(np.abs(speed).max()),
     }
-    rows = [("arm", f"{to_digits(arm, 6)} mm, its tip {to_digits(np.abs(speed).max(), 4)} mm/s at most")]
+    rows = [("arm", f"{arm:.6g} mm, its tip {np.abs(speed).max():.4g} mm/s at most")]
     conditions = []
     if wished is not None:
         missed = distances_mm(wished.points, places)
@@ -182,9 +165,7 @@ def _of_path(
         figures |= {"point_speeds_mm_s": np.abs(speed[passed]).tolist()}
         figures |= {"path_missed_mm": missed.tolist(), "path_missed_max_mm": float(missed.max())}
         worst = int(np.argmax(missed / wished.tolerance_mm))
-        allowed = (
-            f"{to_digits(missed[worst], 3)} of {wished.tolerance_mm[worst]:g} mm allowed at point {wished.name(worst)}"
-        )
+        allowed = f"{missed[worst]:.3g} of {wished.tolerance_mm[worst]:g} mm allowed at point {wished.name(worst)}"
         said = f"passes {len(missed)} points, the worst with {allowed}"
         conditions.append(TrainCondition("path", bool((missed <= wished.tolerance_mm).all()), said))
     if forward_mm_s:
@@ -203,6 +184,6 @@ def _over_ground(
     arms = len(train.traces)
     period_s = train.cycle_rad / (train.speed_rpm * 2.0 * pi / 60.0)
     spacing = abs(forward_mm_s) * period_s / arms
-    said = f"lowest place every {to_digits(spacing, 4)} mm of ground, there {to_digits(slip, 4)} mm/s along it"
+    said = f"lowest place every {spacing:.4g} mm of ground, there {slip:.4g} mm/s along it"
     figures = {"forward_mm_s": forward_mm_s, "spacing_mm": spacing, "lowest_speed_over_ground_mm_s": slip}
     return ("over the ground", said), figures

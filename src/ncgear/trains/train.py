@@ -16,7 +16,6 @@ import numpy as np
 
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.digits import to_digits
 from ncgear.pitch.shape import Mesh
 
 MARGIN = 0.04
@@ -117,7 +116,7 @@ class TrainCondition:
 
 def contact_condition(contact_ratio: float, *cures: str) -> TrainCondition:
     """The condition that teeth follow each other without a gap, with remedies where they do not."""
-    met, followed = f"{to_digits(contact_ratio, 3)} pairs of teeth in mesh at least", contact_ratio > 1.0
+    met, followed = f"{contact_ratio:.3g} pairs of teeth in mesh at least", contact_ratio > 1.0
     return TrainCondition("contact ratio", followed, met, () if followed else cures)
 
 
