@@ -34,8 +34,6 @@ from ncgear.strength.holding import Damage, Weakest, lives_of
 LOADS = {
     "masses": "the machine with its masses{jam}, at constant driving speed",
     "resistance": "the resistance{alone}: no masses are given, so forces of inertia are not counted",
-    "series": "the machine with its masses{jam}, at constant driving speed; not followed: swings of {pairs} on their "
-    "teeth",
     "row": "the torque at the last gear; every mesh passes on its power",
     "jam": "a jam alone: nothing else that is given loads the teeth",
 }
@@ -46,12 +44,10 @@ def load_words(drive: Drive, strength: Strength) -> str:
     """What the load of the teeth follows from."""
     jam = " and a jam" if drive.conditions.overload else ""
     gears = drive.design.gears
-    by: str = strength.load
-    if by == "resistance" and gears is not None and gears.idlers is not None:
-        by = "row"
-    elif by == "masses" and drive.design.stages > 2:
-        by = "series"
-    return LOADS[by].format(jam=jam, alone=jam or " alone", pairs=drive.design.stages_said[0])
+    by = "row" if strength.load == "resistance" and gears is not None and gears.idlers is not None else strength.load
+    pairs = drive.design.stages_said[0] if drive.design.stages > 2 else ""
+    swings = f"; not followed: swings of {pairs} on their teeth" if pairs and by == "masses" else ""
+    return LOADS[by].format(jam=jam, alone=jam or " alone") + swings
 
 
 METHODS = {

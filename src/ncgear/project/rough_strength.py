@@ -168,13 +168,9 @@ def refusal_of_series(drive: Drive) -> DesignError | None:
     if drive.design.masses is None or drive.design.stages <= 2:
         return None
     # Checks of other machines load no module of contact.
-    from ncgear.project.forces import require_no_changes_of_flanks
+    from ncgear.project.forces import change_of_flanks
 
-    try:
-        require_no_changes_of_flanks([asked_of(pair) for pair in drive.whole.by_stage])
-    except DesignError as refusal:
-        return refusal
-    return None
+    return change_of_flanks([asked_of(pair) for pair in drive.whole.by_stage])
 
 
 def beside_refusal(drive: Drive, refusal: DesignError | None) -> RoughStrength | None:

@@ -220,11 +220,8 @@ def tool_mount(motion: TipMotion, path: WishedPath) -> tuple[float, float]:
 
 
 def _accepted(found: TipMotion | NoPath, path: WishedPath, limits: PathLimits, axis: complex | None) -> TipMotion:
-    helps = "another order of the points, more distance between them, a larger tolerance_mm"
-    if axis is not None:
-        helps += ", or leave axis_mm out"
-    elif limits.low is not None:
-        helps += ", or axis_from_mm and axis_to_mm farther apart"
+    free = "leave axis_mm out" if axis is not None else "" if limits.low is None else "let the axis be anywhere"
+    helps = ", or ".join(filter(None, ("another order of the points, more distance, a larger tolerance_mm", free)))
     if isinstance(found, NoPath):
         raise NoSuchMechanism(f"no carrier passes the points: {found.words}; {helps}", key="path.points_mm")
     ratio, w = found.hardness[0][0], found.hardness[1]

@@ -149,8 +149,7 @@ def fault(key: str, problem: str) -> PydanticCustomError:
 
 
 def counts(key: str, given: int, needed: int, noun: str, place: str) -> Faults:
-    """The fault of a list of ``given`` values for ``needed`` things, as a ``noun`` and a ``place``; empty lists count
-    as left out."""
+    """The fault of a list of ``given`` values, none if left out, that has not one for each of ``needed`` nouns."""
     if given and given != needed:
         right = "one for each is right" if needed else "leave it out"
         yield fault(key, f"{given} given for {COUNTS[needed]} {noun}{'s' * (needed != 1)} {place}; {right}")

@@ -60,7 +60,7 @@ def names_in_file(kind: type[TrainKeys]) -> dict[str, str]:
 
 
 def as_in_train(data: Mapping[str, Any], key: str) -> str:
-    """The key that a train file's data may have for a key of its machine, or else for its nearest parent."""
+    """The key that a train file's data may have for a key of its machine, or for its nearest parent."""
     return Document({}, {}, names_in_file(KINDS[data["train"]["kind"]])).as_written(key)
 
 

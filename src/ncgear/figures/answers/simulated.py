@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import chain
 from typing import Any
 
 from ncgear.dynamics.level import Level
@@ -82,9 +83,8 @@ def simulated_answer(drive: Drive, level: Level, figures: Mapping[str, Any], ver
             rows = [row(key, value) for key, value in told if not key.endswith(PLACE)]
             rows += [row(key, figures["motion_in_time"][key]) for key in MOVED]
             rows += _not_followed(figures["band_of_stiffness"])
-    after = AFTER[level if drive.design.stages == 1 else Level.DYNAMIC]
-    if refusal_of_series(drive):
-        after = "ncgear build {file}"
+    rated = AFTER[level if drive.design.stages == 1 else Level.DYNAMIC]
+    after = "ncgear build {file}" if refusal_of_series(drive) else rated
     return Answer(
         head_of(drive),
         tuple(rows),
@@ -116,19 +116,19 @@ def _changing_flanks(drive: Drive, own: Mapping[str, Any]) -> str:
 
 def _compared(own: Mapping[str, Any], other: Mapping[str, Any], pairs: int) -> list[Row]:
     """Rows of both machines; forces of more than two pairs, for which a screen is too small, in a line of each kind."""
+    together = {}
+    if pairs > 2:
+        last, *meshes = (key for key in own if key.startswith("peak_") and key.endswith("mesh_force_n"))
+        together = {
+            "mesh forces": [*meshes, last],
+            "bearing forces": [key for key in own if key.endswith("bearing_force_n")],
+        }
     told = {*COMPARED, SAME_AS_MESH}
     joints = [key for key in own if key.startswith("peak_") and key.endswith("_force_n") and key not in told]
-    keys, together = [key for key in (*COMPARED, *joints) if key in own], dict[str, list[str]]()
-    if pairs > 2:
-        last, *meshes = (key for key in own if key.startswith("peak_") and key.endswith(MANY[0]))
-        together = {"mesh forces": [*meshes, last], "bearing forces": [key for key in own if key.endswith(MANY[1])]}
+    keys = [key for key in (*COMPARED, *joints) if key in own and key not in chain(*together.values())]
+    rows = [_beside(key, own[key], other.get(key)) for key in keys]
     said = {name: ", ".join(figure(key, own[key]) for key in of) for name, of in together.items()}
-    rows = [_beside(key, own[key], other.get(key)) for key in keys if not (together and key.endswith(MANY))]
     return [*rows, *(Row(name, (f"at most {text}, from the driving shaft on",)) for name, text in said.items())]
-
-
-MANY = "mesh_force_n", "bearing_force_n"
-"""How the keys of forces end that each pair or shaft has."""
 
 
 def _beside(key: str, own: float, other: float | None) -> Row:
