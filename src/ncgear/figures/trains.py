@@ -89,11 +89,7 @@ def _meets(one: MeshContact, how: str, value_mm: float, at_rad: float) -> str:
     return f"{one.first} and {one.second} {how} {to_digits(value_mm, 3)} mm at {in_words(at_rad)}"
 
 
-TEETH = TrainCondition(
-    "teeth",
-    None,
-    "undercut, tips and strength; ncgear strength rates chains and planetary trains whose knocks it follows",
-)
+TEETH = TrainCondition("teeth", None, "undercut, tips and strength: for chains and planetary trains, ncgear strength")
 """What neither a check nor a build of a train says of its teeth."""
 
 
