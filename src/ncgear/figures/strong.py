@@ -175,7 +175,7 @@ def _force_figures(drive: Drive) -> dict[str, Any]:
 def knock_figures(knocks: Sequence[Knock] | None) -> dict[str, Any]:
     """How often teeth knock in a turn of the driven gear, and how fast where they do it fastest."""
     if knocks is None:
-        return {"knocks": "not judged"}
+        return {"knocks": None}
     fastest = max(knocks, key=lambda knock: knock.speed_mm_s, default=None)
     told = {} if fastest is None else {"knock_max_mm_s": fastest.speed_mm_s, "knock_max_at_rad": fastest.phi1_rad}
     return {"knocks": len(knocks), **told}

@@ -44,7 +44,7 @@ class TrainKeys(Model):
 
         Raises WrongInput and NoSuchMechanism with keys that begin with ``train``, such as ``train.gears.module_mm``.
         """
-        with renamed("train.output", "train.gears"):
+        with renamed("train.output", "train.gears"), renamed("train.gears.cutter.teeth", "train.gears.teeth"):
             return with_sound_bodies(self._made())
 
     WRITTEN_AS: ClassVar[Mapping[str, str]] = {}
