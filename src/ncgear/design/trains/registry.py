@@ -19,7 +19,6 @@ from pydantic import create_model
 
 from ncgear.design.keys.base import FILE_FORMAT, FileFormat, Model, optional, required
 from ncgear.design.reading.messages import dotted_keys
-from ncgear.design.reading.places import Document
 from ncgear.design.reading.text import quoted
 from ncgear.design.trains.base import TrainKeys
 from ncgear.design.trains.chain import Chain
@@ -42,8 +41,7 @@ class TrainFile(Model):
 
     def machine(self) -> dict[str, Any] | None:
         """The keys of the file of the machine that the train is by itself; None where it is none."""
-        keys = self.train.machine()
-        return None if keys is None else {"name": self.name, "description": self.description, **keys}
+        return (keys := self.train.machine()) and {"name": self.name, "description": self.description, **keys}
 
     @property
     def alone(self) -> frozenset[str]:
@@ -57,11 +55,6 @@ def names_in_file(kind: type[TrainKeys]) -> dict[str, str]:
     """The keys of a train's file by those of the machine that it is, or by their own below ``train``."""
     names = {**{key: key for key in dotted_keys(kind)}, **kind.WRITTEN_AS}
     return {key: f"train.{name}" for key, name in names.items()}
-
-
-def as_in_train(data: Mapping[str, Any], key: str) -> str:
-    """The key that a train file's data may have for a key of its machine, or for its nearest parent."""
-    return Document({}, {}, names_in_file(KINDS[data["train"]["kind"]])).as_written(key)
 
 
 def train_model(data: Mapping[str, Any]) -> type[TrainFile]:
