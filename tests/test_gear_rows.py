@@ -176,7 +176,7 @@ def test_the_teeth_of_a_bent_row_of_three_touch_and_stay_apart() -> None:
 
 
 def test_bends_that_are_not_those_of_the_idlers_are_refused() -> None:
-    with pytest.raises(WrongInput, match="4 gears have two idlers"):
+    with pytest.raises(WrongInput, match="two idlers of 4 gears"):
         train_of((("[40, -70]", "[40]"),))
     with pytest.raises(WrongInput, match="only one of them can count"):
         train_of(((SHAPE, SHAPE + "\n  ratio: 1 + 0*phi"),))

@@ -16,8 +16,9 @@ import pytest
 from shapely import Polygon
 
 from drives import DESIGNS, drive_of_text
-from ncgear.design.reading.design_file import load, load_train, parsed
+from ncgear.design.reading.design_file import load, load_train
 from ncgear.design.rewritten import design_copy
+from ncgear.design.space import Space, checked_design, space_of, varied_of
 from ncgear.drawings.scene.geared_pairs import SceneGear
 from ncgear.drawings.scene.scene import scene_of_teeth
 from ncgear.errors import NoSuchMechanism, WrongInput, located
@@ -33,6 +34,7 @@ from ncgear.project.rough_strength import rough_strength
 from ncgear.project.strengthening import rating_of
 from ncgear.project.tolerance import _mesh_and_limits, lot_of
 from ncgear.project.tolerance_limits import left_of_backlash, tolerances_of
+from ncgear.screening.designs import Screening, as_in_file, screened_part
 from ncgear.strength.holding import Damage
 from ncgear.strength.life import MEAN_STRESS, pressed_mpa
 from ncgear.trains.chain import same_flanks
@@ -216,10 +218,16 @@ def test_a_train_of_a_chain_is_the_same_row_as_a_machine() -> None:
     assert drive.machine.load.backwards_n(np.array([0.0]), np.array([False])) == pytest.approx([15_000.0])
 
 
-def test_a_chain_is_written_for_others_as_the_file_of_a_machine() -> None:
-    """As sweeps write their best designs, and reports show the file."""
-    loaded = load(DESIGNS / "idler-chain.yaml")
-    again = parsed(design_copy(loaded, {"gears.teeth": 40}), Path("machine.yaml")).design
+def test_a_chain_is_varied_and_written_as_its_own_file(tmp_path: Path) -> None:
+    """As sweeps compute their designs and write the best, and reports show the file."""
+    loaded, file = load(DESIGNS / "idler-chain.yaml"), tmp_path / "changed.yaml"
+    file.write_text(design_copy(loaded, {"train.gears.teeth": 40}), encoding="utf-8")
+    again = load(file).design
+    assert checked_design(loaded.data, ["train.gears.teeth"], [40.0]) == again
+    assert screened_part(Screening(loaded.data, Space(()), (), 1), 0, np.empty((1, 0))).made.all()
+    assert as_in_file(loaded.data, "gears.idlers.bends_deg.0: wide") == "train.bends_deg: wide"
+    with pytest.raises(WrongInput, match=r"did you mean train\.gears\.teeth"):
+        space_of(loaded, [varied_of("gears.teeth=36,40")])
     assert again.gears is not None
     assert loaded.design.gears is not None
     assert again.gears == loaded.design.gears.model_copy(update={"teeth": 40})
@@ -230,7 +238,7 @@ def test_a_chain_is_written_for_others_as_the_file_of_a_machine() -> None:
     ("old", "new", "line", "said"),
     [
         ("teeth: 36", "teeth: 37", 11, ""),
-        ("[40, -70]", "[40]", 7, "1 given, but 4 gears have two idlers; as many bends are right"),
+        ("[40, -70]", "[40]", 7, "1 given for two idlers of 4 gears; one for each is right"),
         ("module_mm: 2", "module_mm: 2\n    rack: {idle_pressure_angle_deg: 25}", 13, "both flanks of an idler push"),
     ],
 )

@@ -181,7 +181,10 @@ def test_two_stages_have_the_rigid_level_only(run: Run, level: str) -> None:
         HEAD.replace("motion: {law: ellipse, eccentricity: 0.3}", motion) + GEARS + MASSES, "--level", level
     )
     assert status == 2
-    assert "motion.second_stage: two pairs of gears; these forces are computed of one" in err
+    assert (
+        "motion.second_stage: two pairs of gears; teeth under load are followed of one; ncgear simulate --level rigid"
+        in err
+    )
 
 
 def test_flanks_that_cannot_push_are_refused(run: Run) -> None:

@@ -226,7 +226,7 @@ def test_a_carrier_that_cannot_go_on_is_told_where(least: float, words: str) -> 
     motion: Any = Made(hardness=([ratio], np.arange(3.0)), tip=lambda w: np.array([10.0j + w[0]]))
     path: Any = Made(points=np.array([0.0, 10.0j, 30.0]), name=lambda number: number + 1)
     with pytest.raises(NoSuchMechanism, match=f"the carrier {words} against the sun near point 2, at 1, 10 mm"):
-        path_search._accepted(motion, path, Made())
+        path_search._accepted(motion, path, Made(low=None), None)
 
 
 @pytest.mark.judges("studio")

@@ -82,7 +82,7 @@ def test_the_page_tells_what_a_check_tells(name: str, run: Run) -> None:
     said = "".join(run("check", str(DESIGNS / f"{name}.yaml"))[1].split())
     for row, text in told["figures"]["facts"][1:]:
         assert "".join(f"{row}{text}".replace("\N{DEGREE SIGN}", " deg").replace("³", "3").split()) in said, row
-    assert told["verdict"]["good"] == "No warnings."
+    assert told["verdict"]["good"] == "No warnings of what was judged."
     assert told["motion"]["loop"] > 0.0
     assert "refused" not in told
 

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
+from at_once import at_once
 from commands import Run
+from ncgear.design.beginning import wishes_told
+from ncgear.design.mechanisms import MECHANISMS
 from ncgear.design.reading.design_file import design_of, load, load_train
 from ncgear.design.reading.places import with_value
 from ncgear.design.reading.yaml import read_yaml
@@ -16,13 +22,18 @@ from ncgear.design.told_keys import told_keys
 from ncgear.errors import DesignError, WrongInput
 from ncgear.figures.advice.values import Kind
 from ncgear.figures.advice.verdict import KnownParts, State, Verdict, judged
+from ncgear.figures.answers.simulated import _compared
 from ncgear.figures.explained import told
 from ncgear.figures.numbers import json_text
+from ncgear.figures.simulated import force_figures
+from ncgear.figures.strong import holding_words
 from ncgear.numerics import chebyshev
 from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.numerics.chebyshev import Rising
+from ncgear.numerics.extrema import Extremum
 from ncgear.project.drive import Drive
 from ncgear.project.mending import mending
+from ncgear.project.rough_strength import refusal_of_series
 from ncgear.ratio.laws.curve_shapes import polar_points
 from ncgear.ratio.laws.expression import ratio_expression_law
 from ncgear.ratio.transmission import Lobes
@@ -121,7 +132,7 @@ def test_check_and_machine_refuse_the_same_bore_with_the_largest_for_all_gears()
 def test_a_wrong_count_of_bends_is_told_by_the_key_of_the_file(run: Run, command: str) -> None:
     status, _, err = run(command, str(written(CHAIN.replace("ratio:", "bends_deg: [10, 20]\n  ratio:"))))
     assert status == 2
-    assert "train.bends_deg: 2 given, but 3 gears have one idler; as many bends are right" in err
+    assert "train.bends_deg: 2 given for one idler of 3 gears; one for each is right" in err
 
 
 @pytest.mark.usefixtures("run")
@@ -194,3 +205,115 @@ def test_a_drawing_that_ends_in_the_middle_is_told_so() -> None:
         Path("drawn.svg").write_text(whole[:length], encoding="utf-8")
         with pytest.raises(WrongInput, match="ends in the middle; the whole file is right"):
             design_of(read_yaml(DRAWN, "mine.yaml"), DRAWN, Path("mine.yaml"))
+
+
+RADIUS = CHAIN.replace("ratio: 1 + 0.2*cos(phi)", "idler_radius: 40 + 8*abs(cos(phi))**0.7")
+OVERLAPPING = CHAIN.replace("ratio:", "bends_deg: [119]\n  ratio:")
+SERIES = """\
+name: series
+operation: {speed_rpm: SPEED}
+motion: {law: ratio_expression, ratio: 1 + 0.3*cos(phi), scale_to_close: true}
+gears: {pairs: PAIRS, teeth: 36, module_mm: 2, face_width_mm: 12, backlash_mm: 0.1, material: 18CrNiMo7-6}
+masses: {shaft_kg_mm2: 20000}
+resistance: {polynomial_n_m: [12]}
+"""
+
+
+def series(speed_rpm: int, pairs: int) -> str:
+    return SERIES.replace("SPEED", str(speed_rpm)).replace("PAIRS", str(pairs))
+
+
+@pytest.mark.usefixtures("run")
+@at_once(
+    ("text", "key"),
+    [
+        (RADIUS, "train.idler_radius"),
+        (CHAIN.replace("1 + 0.2*cos(phi)", "1 + 0.2*abs(cos(phi))**0.7"), "train.ratio"),
+        (
+            CARRIED.replace("module_mm: 2", "module_mm: 2, bore_mm: 12").replace(
+                "arm_mm", "bar_width_mm: 15\n  arm_mm"
+            ),
+            "train.gears.bore_mm",
+        ),
+    ],
+)
+def test_a_fault_of_a_train_is_told_where_it_is_given(text: str, key: str) -> None:
+    with pytest.raises(DesignError) as refused:
+        load_train(written(text)).file.train.train()
+    assert refused.value.key == key
+
+
+@pytest.mark.usefixtures("run")
+def test_a_pair_has_no_shaft_between_and_series_have_one_less_than_pairs() -> None:
+    for pairs, given, said in ((1, "7", "1 given for no shafts between one pair of gears"), (3, "[7, 7]", "")):
+        text = series(60, pairs).replace("20000", f"20000, shaft_between_kg_mm2: {given}")
+        if said:
+            with pytest.raises(WrongInput, match=said):
+                load(written(text))
+        else:
+            load(written(text))
+
+
+def test_a_check_judges_the_room_between_parts(run: Run) -> None:
+    """Round gears of 24 teeth at a bend of 140 deg overlap everywhere; the row of the file at some angles only."""
+    assert "room: gear_1 and gear_3 meet at" in run("check", str(written(OVERLAPPING)))[1]
+    row = "gears: {teeth: 24, module_mm: 2, face_width_mm: 12, idlers: {lobes: [1], bends_deg: [140]}}\n"
+    machine = f"name: row\noperation: {{speed_rpm: 60}}\nmotion: {{law: uniform_crank}}\n{row}"
+    assert "gears 1 and 3 of the row overlap at every angle" in run("check", str(written(machine)))[1]
+
+
+@pytest.mark.usefixtures("run")
+def test_loads_of_rows_have_the_keys_of_their_file() -> None:
+    assert Drive(load(written(CHAIN)).design).masses_left_out == "give them as train.masses"
+    assert Drive(
+        load(written(series(60, 1).replace("masses: {shaft_kg_mm2: 20000}\n", ""))).design
+    ).masses_left_out == ("give them as masses")
+
+
+def test_a_check_promises_no_strength_that_is_refused(run: Run) -> None:
+    """At ten times the speed the load of four pairs changes flanks, and knocks of four pairs are not followed."""
+    said = "with masses the load of pair 1 changes the flanks or jumps"
+    for speed, refused in ((60, False), (600, True)):
+        drive = Drive(load(written(series(speed, 4))).design)
+        found = refusal_of_series(drive)
+        assert (found is not None) is refused
+        states = {row.why for row in judged(drive.by_stage[0], KnownParts.MOTION).rows if row.kind is Kind.STRENGTH}
+        assert any(why.startswith(said) for why in states) is refused
+    status, _, error = run("strength", str(written(series(600, 4))))
+    assert (status, said in error) == (2, True)
+    assert holding_words(wears=False, judged=True) == "The teeth hold: no safety is under the wanted one."
+    assert "hold" not in holding_words(wears=False, judged=False)
+
+
+def test_forces_of_many_pairs_are_told_in_their_order() -> None:
+    """A key for each mesh and shaft: the last mesh has no number, the driving shaft's bearing bears the first mesh."""
+    keys = "mesh", "first_mesh", "second_mesh", "driving_bearing", "first_shaft_between_bearing", "driven_shaft_bearing"
+    own = {f"peak_{key}_force_n": float(value) for value, key in enumerate(keys, start=1)}
+    rows = {row.name: row.texts for row in _compared(own, own, 3)}
+    assert rows == {
+        "mesh forces": ("at most 2 N, 3 N, 1 N, from the driving shaft on",),
+        "bearing forces": ("at most 4 N, 5 N, 6 N, from the driving shaft on",),
+    }
+    assert len(_compared(own, own, 2)) == len(own) - 1
+
+
+def test_keys_of_forces_have_letters_only() -> None:
+    for entry in MECHANISMS.values():
+        force: Any = Extremum(1.0, 0.0)
+        mechanism = entry.load()
+        peaks: Any = SimpleNamespace(
+            joints_n=dict.fromkeys(mechanism.JOINTS, force), mesh=None, crank_bearing_n=force, guide_n=force
+        )
+        assert all(re.fullmatch(r"[a-z_]+", key) for key in force_figures(mechanism, peaks))
+
+
+def test_an_open_bracket_of_a_wish_has_no_line_of_a_file() -> None:
+    with pytest.raises(WrongInput, match="a bracket is not closed") as refused:
+        wishes_told(["time_ratio: {at_least: 1.5"])
+    assert (refused.value.key, refused.value.location) == ("--wish", "")
+
+
+def test_keys_beside_a_key_are_those_of_its_kind_of_train() -> None:
+    text = told(told_keys("train"), "train.lobes")
+    assert "bends_deg" in text
+    assert "planet_teeth" not in text

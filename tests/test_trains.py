@@ -452,12 +452,12 @@ def test_gears_on_a_carrier_have_no_power_of_gears_on_fixed_axes(run: Run, comma
         (
             "teeth: 18",
             "bore_mm: 40, teeth: 18",
-            "bore_mm: 40 mm leaves no wall in carrier; the largest that fits is 1",
+            "bore_mm: 40 mm leaves less than 2 mm, one module, at the side of carrier; the largest that fits is 15.9",
         ),
         (
             "teeth: 18",
             "bore_mm: 20, teeth: 18",
-            "bore_mm: 20 mm leaves no wall in carrier; the largest that fits is 1",
+            "bore_mm: 20 mm leaves less than 2 mm, one module, at the side of carrier; the largest that fits is 15.9",
         ),
         ("teeth: 18", "chord_tolerance_mm: 1, teeth: 18", "train.gears.chord_tolerance_mm: 1 mm are 0.5 of the module"),
         ("backlash_mm: 0.05", "backlash_mm: 9", "train.gears.backlash_mm: 9 mm takes more than 80%"),

@@ -42,10 +42,14 @@ def write_pages() -> None:
 
 def told_keys_text() -> str:
     """The keys of both kinds of files in words, a line for each."""
-    kinds = [
-        f'"{kind}": [\n' + ",\n".join(json.dumps(asdict(key)) for key in told_keys_of(model_of(kind))) + "\n]"
+    told = {
+        kind: [
+            json.dumps({name: one for name, one in asdict(key).items() if name != "kinds" or one})
+            for key in told_keys_of(model_of(kind))
+        ]
         for kind in FileKind
-    ]
+    }
+    kinds = [f'"{kind}": [\n' + ",\n".join(rows) + "\n]" for kind, rows in told.items()]
     return "{\n" + ",\n".join(kinds) + "\n}\n"
 
 

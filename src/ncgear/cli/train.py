@@ -41,7 +41,7 @@ def refuse_options(design_file: Path, options: Mapping[str, object]) -> None:
 def check_train(design_file: Path, *, as_json: bool, verbose: bool) -> None:
     """Compute a train, and tell its figures and the judgement of its kind; nothing is written."""
     from ncgear.design.reading.design_file import load_train
-    from ncgear.figures.trains import NOT_BUILT, train_answer, train_figures
+    from ncgear.figures.trains import checked_conditions, train_answer, train_figures
 
     keep_freed_memory()
     loaded = load_train(design_file)
@@ -49,7 +49,7 @@ def check_train(design_file: Path, *, as_json: bool, verbose: bool) -> None:
     with located(loaded.source), steps_shown(1) as on_step:
         on_step("train")
         train = file.train.train()
-    conditions = (*train.told.conditions, *NOT_BUILT)
+        conditions = checked_conditions(train)
     figures = train_figures(file.name, file.description, train, conditions)
     answer = train_answer(file.name, file.description, train, conditions, f"ncgear build {pasted(design_file)}")
     tell(answer, figures, as_json=as_json, verbose=verbose)

@@ -224,7 +224,10 @@ def wishes_told(texts: Iterable[str]) -> dict[str, Any]:
 
 
 def _pairs(text: str) -> Iterable[tuple[str, Any]]:
-    data = read_yaml(text, OPTION).data
+    try:
+        data = read_yaml(text, OPTION).data
+    except WrongInput as error:
+        raise WrongInput(error.problem, key=OPTION) from error
     if not isinstance(data, dict) or not data:
         kinds = listed(Wishes.model_fields)
         raise WrongInput(f"{quoted(text)} given; KEY: VALUE is right, as {EXAMPLE}, where KEY is {kinds}", key=OPTION)

@@ -104,13 +104,13 @@ def told_keys_of(root: type[BaseModel]) -> list[ToldKey]:
     for name, keys in kinds.items():
         for key in keys:
             alike.setdefault(key.path, {}).setdefault(key.meaning, []).append((name, key))
-    return [
-        replace(having[0][1], meaning=f"of {listed([name for name, _ in having], 'and')}: {meaning}")
-        if len(meanings) > 1
-        else having[0][1]
-        for meanings in alike.values()
-        for meaning, having in meanings.items()
-    ]
+    found = []
+    for meanings in alike.values():
+        for meaning, having in meanings.items():
+            names = tuple(name for name, _ in having)
+            said = f"of {listed(names, 'and')}: {meaning}" if len(meanings) > 1 else meaning
+            found.append(replace(having[0][1], meaning=said, kinds=names))
+    return found
 
 
 def _told(root: type[BaseModel]) -> list[ToldKey]:

@@ -30,6 +30,7 @@ from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.design.reading.messages import fields_of, models_in, problems
 from ncgear.design.reading.places import with_value
 from ncgear.design.reading.text import plain_number, quoted, whole
+from ncgear.design.trains.registry import TrainFile, train_model
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask
@@ -250,12 +251,19 @@ def checked_design(data: dict[str, Any], keys: Sequence[str], values: Iterable[f
     for key, value in zip(keys, values, strict=True):
         # Every key accepts a whole number as an integer, and some keys accept only integers.
         data = with_value(data, key, whole(value))
-    model = design_model(data)
+    model: type[Design] | type[TrainFile] = train_model(data) if "train" in data else design_model(data)
     try:
-        return model.model_validate(data)
+        made = model.model_validate(data)
+        if isinstance(made, Design):
+            return made
+        data = made.machine() or data
+        model = design_model(data)
+        return model.model_validate(data).of_train(made.alone)
     except ValidationError as error:
         first = problems(error, model, data)[0]
         return WrongInput(first.text, key=first.key)
+    except WrongInput as error:
+        return error
 
 
 def accepted(root: type[Design], data: Mapping[str, Any], key: str, values: Array) -> Mask:

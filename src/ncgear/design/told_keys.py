@@ -23,7 +23,7 @@ FILE = Path(__file__).with_suffix(".json")
 class ToldKey:
     """A key in words; ``law`` is the motion law that has it, empty for a key of no single law.
 
-    ``path`` is dotted, without the numbers of list items.
+    ``path`` is dotted, without the numbers of list items; ``kinds`` are the kinds of trains that have such a key.
     """
 
     path: str
@@ -35,6 +35,7 @@ class ToldKey:
     allowed: str
     default: str
     example: str
+    kinds: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:

@@ -42,7 +42,7 @@ def train_picture(train: Train, outlines_mm: Mapping[str, Array], driving_rad: f
 
 def color_of(train: Train, part: Part) -> str:
     """The colour of a part: gears that mesh have different colours, bars and fixed parts are grey."""
-    return COLORS[train.tint(part) % len(COLORS)] if part.teeth else canvas.REFERENCE
+    return COLORS[train.tints[part.name] % len(COLORS)] if part.teeth else canvas.REFERENCE
 
 
 def _draw(axes: Axes, part: Part, outline_mm: Array, poses: Poses, number: int, color: str) -> None:

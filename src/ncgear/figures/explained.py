@@ -116,6 +116,8 @@ def _above(key: ToldKey) -> str:
 def _beside(keys: Sequence[ToldKey], alike: Sequence[ToldKey]) -> list[ToldKey]:
     above, law, names = _above(alike[0]), alike[0].law, {key.name for key in alike}
     within = [key for key in keys if _above(key) == above and key.law == law]
+    having = {key.path: {kind for other in within if other.path == key.path for kind in other.kinds} for key in within}
+    within = [key for key in within if having[key.path].issuperset(alike[0].kinds)]
     return [] if alike[0].is_law_name else [key for key in within if key.name not in names]
 
 

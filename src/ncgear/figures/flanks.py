@@ -24,14 +24,13 @@ if TYPE_CHECKING:
 REGIMES = {Regime.FULL: "full film", Regime.MIXED: "mixed lubrication", Regime.BOUNDARY: "boundary lubrication"}
 """The words for a regime."""
 
-NOT_JUDGED = "not judged"
 ONLY_A_JAM = "not judged, because only a jam presses the flanks, a few times"
 
 
 def surfaces_figures(found: Surfaces) -> dict[str, Any]:
-    """Sections of film, scuffing and wear; of what is not judged, a word that says so."""
+    """Sections of film, scuffing and wear; None of what is not judged."""
     film, wear = found.film, found.wear
-    figures: dict[str, Any] = {"film": NOT_JUDGED, "scuffing": NOT_JUDGED}
+    figures: dict[str, Any] = {"film": None, "scuffing": None}
     if film is not None:
         safety = found.scuffing_safety
         figures["film"] = {
@@ -50,7 +49,7 @@ def surfaces_figures(found: Surfaces) -> dict[str, Any]:
             "scuffing_c": found.scuffing_c,
         }
     if not found.judged:
-        return {**figures, "wear": NOT_JUDGED}
+        return {**figures, "wear": None}
     figures["wear"] = {
         "wanted_h": wear.wanted_h,
         "limit_mm": wear.limit_mm,

@@ -138,7 +138,8 @@ def force_figures(linkage: Mechanism, peaks: LoadPeaks) -> dict[str, Any]:
     """The peak forces of the mesh, of each joint of the mechanism by its words, of crank bearing and guide."""
     joints = dict[str, float]()
     for name, peak in peaks.joints_n.items():
-        joints.update(extreme(f"peak_{linkage.JOINTS[name].replace(' ', '_')}_force", "n", peak))
+        words = linkage.JOINTS[name].replace("'s ", " ").replace(" ", "_")
+        joints.update(extreme(f"peak_{words}_force", "n", peak))
     return {
         **_mesh(peaks),
         **joints,

@@ -45,7 +45,9 @@ def load_words(drive: Drive, strength: Strength) -> str:
     jam = " and a jam" if drive.conditions.overload else ""
     gears = drive.design.gears
     by = "row" if strength.load == "resistance" and gears is not None and gears.idlers is not None else strength.load
-    return LOADS[by].format(jam=jam, alone=jam or " alone")
+    pairs = drive.design.stages_said[0] if drive.design.stages > 2 else ""
+    swings = f"; not followed: swings of {pairs} on their teeth" if pairs and by == "masses" else ""
+    return LOADS[by].format(jam=jam, alone=jam or " alone") + swings
 
 
 METHODS = {
@@ -173,7 +175,7 @@ def _force_figures(drive: Drive) -> dict[str, Any]:
 def knock_figures(knocks: Sequence[Knock] | None) -> dict[str, Any]:
     """How often teeth knock in a turn of the driven gear, and how fast where they do it fastest."""
     if knocks is None:
-        return {"knocks": "not judged"}
+        return {"knocks": None}
     fastest = max(knocks, key=lambda knock: knock.speed_mm_s, default=None)
     told = {} if fastest is None else {"knock_max_mm_s": fastest.speed_mm_s, "knock_max_at_rad": fastest.phi1_rad}
     return {"knocks": len(knocks), **told}
@@ -375,9 +377,12 @@ HOLD = "The teeth hold: no safety is under the wanted one."
 WEAR = "No tooth breaks: no safety is under the wanted one; dry metal wears."
 
 
-def holding_words(wears: bool) -> str:
-    """What is said of teeth that hold; ``wears`` tells whether they are of metal and run dry."""
-    return WEAR if wears else HOLD
+AS_FOLLOWED = "No safety is under the wanted one, by the loads that are followed."
+
+
+def holding_words(*, wears: bool, judged: bool) -> str:
+    """What is said of teeth that hold, of metal that run dry (``wears``), or whose strength is not judged."""
+    return AS_FOLLOWED if not judged else WEAR if wears else HOLD
 
 
 def _degrees(angle_rad: float) -> str:

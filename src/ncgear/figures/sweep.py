@@ -173,7 +173,8 @@ def swept_answer(screened: Overview, deeper: Overview | None, stage: str, then: 
         for place, cells in enumerate(cells_of(best, last.wanted)[:BEST])
     ]
     if without_masses(last):
-        rows.append(Row("masses", ("not counted in power: give them as masses",)))
+        given = "train.masses" if last.space.keys[0].startswith("train.") else "masses"
+        rows.append(Row("masses", (f"not counted in power: give them as {given}",)))
     refused = [
         Fault(f"{one.count} {'design' if one.count == 1 else 'designs'}: {one.verdict}")
         for one in last.frequent_refusals[:REFUSALS]

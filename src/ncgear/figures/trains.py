@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ncgear.figures.advice.verdict import State
+from ncgear.figures.advice.verdict import GOOD, GOOD_AS_JUDGED, State
 from ncgear.figures.answers.answer import Answer, Fault, Row
 from ncgear.figures.numbers import micrometres, to_digits
 from ncgear.numerics.units import in_words
-from ncgear.trains.contact import Distance, MeshContact, worst
+from ncgear.trains.contact import Distance, MeshContact, distances_of, worst
 from ncgear.trains.train import Train, TrainCondition
 
 ALLOWED_TOLERANCES = 3.0
@@ -64,39 +64,39 @@ def judged_contacts(
     allowed = ALLOWED_TOLERANCES * train.tolerance_mm
     clashing = [one for one in contacts if one.clashes(allowed)]
     parted = [one for one in contacts if one.parts(allowed)]
-    touching = [one for one in distances if one.least_distance_mm <= 0.0]
     deepest, widest = worst(contacts)
     met = f"teeth overlap by {micrometres(deepest)} and part by {micrometres(widest)} at most"
     said = [
         *(_meets(one, "overlap by", one.penetration_max_mm, one.penetration_max_at_rad) for one in clashing),
         *(_meets(one, "part by", one.gap_max_mm, one.gap_max_at_rad) for one in parted),
     ]
+    return TrainCondition("meshes", not said, "; ".join(said) or met), judged_room(distances), TEETH
+
+
+def judged_room(distances: Sequence[Distance]) -> TrainCondition:
+    """Whether all parts that do not mesh pass each other."""
+    touching = [one for one in distances if one.least_distance_mm <= 0.0]
     room = [f"{one.first} and {one.second} meet at {in_words(one.at_rad)}" for one in touching]
     least = min(distances, key=lambda one: one.least_distance_mm, default=None)
     passing = "no parts at one height come near to each other"
     if least is not None:
         near = f"{least.first} and {least.second} pass at {to_digits(least.least_distance_mm, 3)} mm"
         passing = f"{near}, all others farther apart"
-    return (
-        TrainCondition("meshes", not said, "; ".join(said) or met),
-        TrainCondition("room", not room, "; ".join(room) or passing),
-        TEETH,
-    )
+    return TrainCondition("room", not room, "; ".join(room) or passing)
 
 
 def _meets(one: MeshContact, how: str, value_mm: float, at_rad: float) -> str:
     return f"{one.first} and {one.second} {how} {to_digits(value_mm, 3)} mm at {in_words(at_rad)}"
 
 
-TEETH = TrainCondition("teeth", None, "undercut, tips and strength; ncgear strength rates chains and planetary trains")
+TEETH = TrainCondition("teeth", None, "undercut, tips and strength: for chains and planetary trains, ncgear strength")
 """What neither a check nor a build of a train says of its teeth."""
 
-NOT_BUILT = (
-    TEETH,
-    TrainCondition("meshes", None, "polygons are compared in a build"),
-    TrainCondition("room", None, "polygons are compared in a build"),
-)
-"""What a check without files says of contact."""
+
+def checked_conditions(train: Train) -> tuple[TrainCondition, ...]:
+    """What a check without files judges, and what it leaves to a build."""
+    room = judged_room(distances_of(train, {part.name: part.outline_mm for part in train.parts}))
+    return *train.told.conditions, room, TEETH, TrainCondition("meshes", None, "polygons are compared in a build")
 
 
 def train_answer(name: str, description: str, train: Train, conditions: Sequence[TrainCondition], then: str) -> Answer:
@@ -109,7 +109,7 @@ def train_answer(name: str, description: str, train: Train, conditions: Sequence
         tuple(rows),
         tuple(Fault(f"{one.name}: {one.said}", one.cures) for one in conditions if one.holds is False),
         about=description,
-        good="No warnings.",
+        good=GOOD_AS_JUDGED if unknown else GOOD,
         not_judged=f"Not judged: {', '.join(unknown)}." if unknown else "",
         then=then,
     )

@@ -174,7 +174,8 @@ def train_borne_by(loads: Sequence[ToothLoad], meshings: Sequence[Meshing]) -> t
     cycle = machine.transmission.cycle_rad
     still = tuple(BorneTorque(one.torque_n_mm, cycle) for one in loads)
     if len(loads) > 2:
-        _refuse_changes_of_flanks(loads)
+        if refused := change_of_flanks(loads):
+            raise refused
         return still
     between = N_PER_KG_MM_S2 * sum(rigid.masses.between_inertia_kg_mm2)
     if not between:
@@ -191,18 +192,19 @@ def train_borne_by(loads: Sequence[ToothLoad], meshings: Sequence[Meshing]) -> t
     return KnockingTrain((pairs[0], pairs[1]), between, load, machine.speed_rad_s).borne(cycle)
 
 
-def _refuse_changes_of_flanks(loads: Sequence[ToothLoad]) -> None:
-    """Raise WrongInput where the torque of a pair changes its sign or jumps."""
+def change_of_flanks(loads: Sequence[ToothLoad]) -> WrongInput | None:
+    """Why knocks of more than two pairs are not followed: the torque of a pair changes its sign or jumps."""
     for load in loads:
         angle = np.linspace(0.0, load.pair.transmission.lobes.driving_period_rad, 4 * SAMPLES, endpoint=False)
         torque = load.torque_n_mm(angle)
         changed = np.abs(np.diff(torque, append=torque[0])) > JUMP * np.abs(torque).max()
         if changed.any() or np.ptp(flanks_of(torque, IDLE * float(np.abs(torque).max()))):
-            raise WrongInput(
-                f"given, but with them the load of pair {load.number + 1} changes the flanks or jumps, and knocks are "
-                f"followed of two pairs in series, not of {len(loads)}; leave it out to rate the teeth without masses",
+            return WrongInput(
+                f"with masses the load of pair {load.number + 1} changes the flanks or jumps, and knocks are followed "
+                f"of two pairs in series, not of {len(loads)}; leave masses out to rate the teeth without them",
                 key="masses",
             )
+    return None
 
 
 def loaded_places_rad(phi1_rad: Array, meshing: Meshing, rigid: RigidMachine) -> Array:

@@ -426,7 +426,8 @@ class Geared(Moving):
         """Why masses do not count, in words; None where they count."""
         if self.design.motion.is_open:
             return "gears turn less than once"
-        return "give them as masses" if self.design.masses is None else None
+        key = self.design.key_in_file("masses") or "masses"
+        return f"give them as {key}" if self.design.masses is None else None
 
     @property
     def gear_refusal(self) -> DesignError | None:
@@ -544,7 +545,8 @@ class Geared(Moving):
         """Raise WrongInput where there are more pairs of gears."""
         if self.design.stages > 1:
             said, key = self.design.stages_said
-            raise WrongInput(f"{said}; these forces are computed of one", key=key)
+            problem = f"{said}; teeth under load are followed of one; ncgear simulate --level rigid computes forces"
+            raise WrongInput(problem, key=key)
 
     def _rigid(self, driving: Callable[[], DrivingShaft]) -> Rigid:
         from ncgear.dynamics.rigid import rigid_level

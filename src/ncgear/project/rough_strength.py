@@ -121,7 +121,7 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
         borne = borne_by(asked, rough_meshing(drive, asked, sides))
         load = rolled_load(drive, borne.at)
         sides = shared_loads(load, plan, running, drive.materials)
-    in_series = asked.load == "masses" and not asked.knocks_are_judged and len(sides) > 1
+    in_series = asked.load == "masses" and not asked.knocks_are_judged and len(sides) > 1 and design.stages == 2
     if asked.loads_return:
         sides = [*sides, *shared_loads(rolled_load(drive, asked.returning_n_mm), plan, running, drive.materials)]
     needs_teeth = _needs_teeth(drive, plan, load, sides) if sides else ""
@@ -161,6 +161,16 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
         return RoughStrength((*found, *jammed), why, needs_teeth, True, None, tuple(jammed), jam_needs_teeth)
     except Unanswered as error:
         return RoughStrength((), error.problem)
+
+
+def refusal_of_series(drive: Drive) -> DesignError | None:
+    """Why no teeth tell the strength of more than two pairs with masses; None where they do."""
+    if drive.design.masses is None or drive.design.stages <= 2:
+        return None
+    # Checks of other machines load no module of contact.
+    from ncgear.project.forces import change_of_flanks
+
+    return change_of_flanks([asked_of(pair) for pair in drive.whole.by_stage])
 
 
 def beside_refusal(drive: Drive, refusal: DesignError | None) -> RoughStrength | None:

@@ -13,7 +13,9 @@ import numpy as np
 
 from ncgear.design.keys.base import quantity, spellings
 from ncgear.design.keys.design import Design
+from ncgear.design.reading.places import Document
 from ncgear.design.space import Space, accepted, checked_design
+from ncgear.design.trains.registry import KINDS, names_in_file
 from ncgear.errors import DesignError, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask, equal_rows
@@ -264,6 +266,8 @@ def as_in_file(data: dict[str, Any], verdict: str) -> str:
     key, colon, problem = verdict.partition(": ")
     if not colon or _has(data, key):
         return verdict
+    if "train" in data:
+        key = Document({}, {}, names_in_file(KINDS[data["train"]["kind"]])).as_written(key)
     return f"{next((name for name in spellings(quantity(key)) if _has(data, name)), key)}: {problem}"
 
 

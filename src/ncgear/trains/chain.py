@@ -13,7 +13,7 @@ from math import cos, degrees, gcd, lcm, pi
 
 import numpy as np
 
-from ncgear.errors import NoSuchMechanism, below, renamed
+from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.pitch.pair import PitchPair, sized_pair
@@ -155,10 +155,9 @@ def chain_train(
     row: PairRow, form: ToothForm, width_mm: float, bore_mm: float | None, speed_rpm: float, tolerance_mm: float
 ) -> Train:
     """The row as a train; raises as ``row_tips``."""
-    with below("train"), renamed("motion", "ratio"):
-        made = [tips for _, tips in row_tips(row, row_form(row, form))]
-        chords = ChordTolerance(tolerance_mm, tolerance_mm)
-        gears = [toothed_gear(one, chords) for one in (made[0][0], *(driven for _, driven in made))]
+    made = [tips for _, tips in row_tips(row, row_form(row, form))]
+    chords = ChordTolerance(tolerance_mm, tolerance_mm)
+    gears = [toothed_gear(one, chords) for one in (made[0][0], *(driven for _, driven in made))]
     told = _told(row, min(least_contact_ratio(both) for both in made))
     return train_of_gears(row, gears, width_mm, bore_mm, speed_rpm, tolerance_mm, told)
 

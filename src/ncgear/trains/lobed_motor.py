@@ -194,7 +194,7 @@ def motor_train(
     outline, wall_mm = gears.planet.outline_mm, INNER_WALL_IN_MODULES * teeth.rack.module_mm
     parts = [
         Part("sun", gears.sun.outline_mm, width, gears.sun.teeth, bore_mm=bodies.bore_mm, wall_mm=wall_mm),
-        Part("ring", gears.ring.outline_mm, width, gears.ring.teeth, rim_mm=bodies.rim_mm, fixed_to=GROUND),
+        Part("ring", gears.ring.outline_mm, width, gears.ring.teeth, 0.0, None, bodies.rim_mm, GROUND, (), wall_mm),
         *(Part(name, outline, width, gears.planet.teeth) for name in names),
     ]
     meshes = [GearMesh("sun", name) for name in names] + [GearMesh(name, "ring", Mesh.INTERNAL) for name in names]

@@ -170,7 +170,7 @@ def found_motion(path: WishedPath, limits: PathLimits, axis: complex | None) -> 
         result = minimize(value, values[:free], method="Nelder-Mead", options=options)
         if result.fun < best:
             best, found = result.fun, tried(np.append(result.x, values[free:]), clockwise)[1]
-    return _accepted(found, path, limits)
+    return _accepted(found, path, limits, axis)
 
 
 BEYOND = 0.01, 0.05
@@ -219,8 +219,9 @@ def tool_mount(motion: TipMotion, path: WishedPath) -> tuple[float, float]:
     return float(errors.max() + errors.min()) / 2.0, float(errors.max() - errors.min()) / 2.0
 
 
-def _accepted(found: TipMotion | NoPath, path: WishedPath, limits: PathLimits) -> TipMotion:
-    helps = "another order of the points, more distance between them, a larger tolerance_mm, or leave axis_mm out"
+def _accepted(found: TipMotion | NoPath, path: WishedPath, limits: PathLimits, axis: complex | None) -> TipMotion:
+    free = "leave axis_mm out" if axis is not None else "" if limits.low is None else "let the axis be anywhere"
+    helps = ", or ".join(filter(None, ("another order of the points, more distance, a larger tolerance_mm", free)))
     if isinstance(found, NoPath):
         raise NoSuchMechanism(f"no carrier passes the points: {found.words}; {helps}", key="path.points_mm")
     ratio, w = found.hardness[0][0], found.hardness[1]
@@ -239,6 +240,13 @@ def _accepted(found: TipMotion | NoPath, path: WishedPath, limits: PathLimits) -
             f"{limits.arms} arms come nearer to each other than {limits.apart_mm:.4g} mm wherever the carrier's axis "
             "is; fewer arms, a smaller bar_width_mm, or another path is right",
             key="path.points_mm",
+        )
+    longest = max(found.carrier_mm, found.arm_mm)
+    if longest > limits.longest_mm:
+        raise NoSuchMechanism(
+            f"the best train has a carrier of {found.carrier_mm:.4g} mm and an arm of {found.arm_mm:.4g} mm, and "
+            f"{limits.longest_mm:g} mm are allowed; {longest:.4g} mm or more is right, or more teeth",
+            key="path.longest_mm",
         )
     if share > MOST_BURDEN:
         tangent = pair_figures(found)[0]

@@ -316,7 +316,7 @@ def planetary_train(
         if arm is not None:
             outline = _bar_mm([0j, complex(arm.length_mm)], bodies.bar_width_mm, tolerance_mm)
             name, low = f"arm{end}", step * layers
-            parts.append(Part(name, outline, width, 0, low, bodies.bore_mm, None, named["planet"]))
+            parts.append(Part(name, outline, width, 0, low, bodies.bore_mm, None, named["planet"], (), wall_mm))
             ways.append(way_of(chain.carrier_mm, lambda u: arm.angle_rad - chain.planet_rad(u), number))
             traces.append(Trace(f"path{end}", name, (arm.length_mm, 0.0), arm.wished_mm))
     parts.append(_carrier(chain, arms, bodies, tolerance_mm))
@@ -381,6 +381,7 @@ def _carrier(chain: ArmChain, arms: int, bodies: Bodies, tolerance_mm: float) ->
         None,
         "",
         drilled,
+        bodies.wall_mm,
     )
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -174,8 +175,9 @@ class Train:
             part = self.part(part.fixed_to)
         return part.fixed_to or part.name
 
-    def tint(self, part: Part) -> int:
-        """A small number of a part that differs from those of all parts with which it meshes."""
+    @cached_property
+    def tints(self) -> dict[str, int]:
+        """A small number of each part, by its name, that differs from those of all parts with which it meshes."""
         tints: dict[str, int] = {}
         for one in self.parts:
             taken = {
@@ -184,7 +186,7 @@ class Train:
                 if one.name in (m.first, m.second)
             }
             tints[one.name] = next(number for number in range(len(taken) + 1) if number not in taken)
-        return tints[part.name]
+        return tints
 
     def room_mm(self) -> tuple[Array, Array]:
         """The corners, shape (2,), of the smallest upright rectangle with a margin in which all parts stay."""

@@ -19,6 +19,7 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self, TypeVar
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict, model_validator
 from pydantic_core import PydanticCustomError
 
+from ncgear.design.words import COUNTS
 from ncgear.design.words import UNITS as UNITS
 from ncgear.design.words import folded as folded
 from ncgear.design.words import listed as listed
@@ -145,6 +146,13 @@ def fault(key: str, problem: str) -> PydanticCustomError:
     """
     # The text is a value of the template: in the template itself, its braces would be placeholders.
     return PydanticCustomError(FAULT_TYPE, "{problem}", {"problem": problem, "key": key})
+
+
+def counts(key: str, given: int, needed: int, noun: str, place: str) -> Faults:
+    """The fault of a list of ``given`` values, none if left out, that has not one for each of ``needed`` nouns."""
+    if given and given != needed:
+        right = "one for each is right" if needed else "leave it out"
+        yield fault(key, f"{given} given for {COUNTS[needed]} {noun}{'s' * (needed != 1)} {place}; {right}")
 
 
 def given(model: BaseModel, names: Iterable[str]) -> list[str]:

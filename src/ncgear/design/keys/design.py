@@ -14,7 +14,7 @@ from ncgear.design.keys.choices import Choices
 from ncgear.design.keys.drivetrain import Drivetrain
 from ncgear.design.keys.gears import SIZES, Gears
 from ncgear.design.keys.machine import Comparison, Fit, Linkage, NoLinkage, Operation, Output, Resistance
-from ncgear.design.keys.masses import Masses, Simulation
+from ncgear.design.keys.masses import Masses, Simulation, shafts_counted
 from ncgear.design.keys.optimize import FlywheelRange, FollowedOutline, Lengths, Optimize, Range
 from ncgear.design.keys.strength import StrengthKeys
 from ncgear.design.keys.tolerances import AssemblyTolerances
@@ -137,9 +137,9 @@ class Design(Model, Shown):
 
     @property
     def can_be_fitted(self) -> bool:
-        """Whether ``ncgear fit`` takes the design: gears side by side, of one lobe each, one of which is drawn."""
+        """Whether ``ncgear fit`` takes the file: one machine, its gears side by side, of one lobe each, one drawn."""
         gears = self.gears
-        if gears is None or not self.motion.gives_outline:
+        if gears is None or self._of_train is not None or not self.motion.gives_outline:
             return False
         return gears.mesh != "internal" and (gears.lobes.driving, gears.lobes.driven) == (1, 1)
 
@@ -377,18 +377,8 @@ class Design(Model, Shown):
                 yield fault("gears.pairs", f"{pairs} given, but {why}; leave one of them out")
 
     def _shafts_between_have_inertia(self) -> Faults:
-        pairs, given = self.stages, self.masses.shafts_between_kg_mm2 if self.masses else ()
-        if given and len(given) != max(pairs - 1, 1):
-            between = {
-                1: "one pair of gears has no shaft between; leave it out",
-                2: "one shaft turns between two pairs",
-            }
-            many = f"{COUNTS[pairs - 1]} shafts turn between {COUNTS[pairs]} pairs of gears"
-            yield fault(
-                "masses.shaft_between_kg_mm2",
-                f"{len(given)} given, but {between.get(pairs, many)}"
-                + ("; give one moment of inertia for each, or leave it out" if pairs > 1 else ""),
-            )
+        wished = self.optimize.limits.stages if self.optimize else 1
+        yield from shafts_counted(self.masses, max(self.stages, wished))
 
 
 def design_model(data: Any) -> type[Design]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 from pydantic import Field
 
-from ncgear.design.keys.base import Faults, Length, Model, Several, fault, optional, required
+from ncgear.design.keys.base import Faults, Length, Model, Several, counts, fault, optional, required
 from ncgear.design.keys.bodies import DrivenBody, GearBody
 from ncgear.design.keys.strength import WrittenMaterials
 from ncgear.design.words import listed
@@ -251,10 +251,8 @@ class Idlers(Model):
     )
 
     def _faults(self) -> Faults:
-        if self.bends_deg and len(self.bends_deg) != len(self.lobes):
-            yield fault(
-                "bends_deg", f"{len(self.bends_deg)} given for {len(self.lobes)} idlers; {len(self.lobes)} are right"
-            )
+        idlers = len(self.lobes)
+        yield from counts("bends_deg", len(self.bends_deg), idlers, "idler", f"of {idlers + 2} gears")
 
     @property
     def directions_rad(self) -> tuple[float, ...]:

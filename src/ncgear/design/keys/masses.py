@@ -13,7 +13,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from ncgear.design.keys.base import Faults, Model, Place, Positive, Several, Speed, fault, optional, required
+from ncgear.design.keys.base import Faults, Model, Place, Positive, Several, Speed, counts, fault, optional, required
+from ncgear.design.words import COUNTS
 from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.units import STANDARD_GRAVITY_M_S2
 
@@ -117,6 +118,12 @@ class GearMasses(Model):
         """The given moments of inertia of all shafts between; empty where they are left out."""
         given = self.shaft_between_kg_mm2
         return given if isinstance(given, tuple) else () if given is None else (given,)
+
+
+def shafts_counted(masses: GearMasses | None, pairs: int) -> Faults:
+    """The fault of a list of moments of inertia that is not one for each shaft between pairs of gears in series."""
+    given, of = len(masses.shafts_between_kg_mm2) if masses else 0, f"{COUNTS[pairs]} pair{'s' * (pairs != 1)} of gears"
+    yield from counts("masses.shaft_between_kg_mm2", given, pairs - 1, "shaft", f"between {of}")
 
 
 class DrivenShaftMasses(GearMasses, first=True):

@@ -6,7 +6,6 @@ Every fault has its line and column, in a mapping its key; a mapping may have ar
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -17,13 +16,13 @@ from ncgear.design.keys.pitch_shapes import ANGLE_OR_X, RADIUS_OR_Y
 from ncgear.design.keys.pitch_shapes import MOST_POINTS as CURVE_POINTS
 from ncgear.design.laws.table import ANGLE_COLUMNS, MOST_POINTS, VALUE_COLUMNS
 from ncgear.design.reading.contour_file import contour_of
-from ncgear.design.reading.messages import checked, dotted_keys
+from ncgear.design.reading.messages import checked
 from ncgear.design.reading.places import Document, FilePlace, Source
 from ncgear.design.reading.points import FileColumns, PointsKind, columns_kind, values_from_files
 from ncgear.design.reading.svg_file import picture_contour_of, svg_contour_of
 from ncgear.design.reading.text import quoted, read_text
 from ncgear.design.reading.yaml import DEEPEST, read_yaml
-from ncgear.design.trains.registry import TrainFile, train_model
+from ncgear.design.trains.registry import TrainFile, names_in_file, train_model
 from ncgear.errors import WrongInput, located
 from ncgear.frozen import dataclass
 
@@ -67,7 +66,7 @@ class LoadedDesign:
     @property
     def data(self) -> dict[str, Any]:
         """The plain values of the file, with the columns of its files of points; not to be changed."""
-        return self.source.data
+        return self.source.document.own or self.source.data
 
 
 def load(path: Path, *, for_loads: bool = False) -> LoadedDesign:
@@ -79,29 +78,25 @@ def load(path: Path, *, for_loads: bool = False) -> LoadedDesign:
     text = read_text(path, limit_mb=LARGEST_MB)
     document = read_yaml(text, str(path))
     if isinstance(document.data, dict) and "train" in document.data:
-        document, text = _as_machine(document, text, for_loads=for_loads)
+        document = _as_machine(document, for_loads=for_loads)
     return design_of(document, text, path)
 
 
-def _as_machine(document: Document, text: str, *, for_loads: bool) -> tuple[Document, str]:
-    """The file of a train and its text as those of the machine that it is; as they are where it is none.
+def _as_machine(document: Document, *, for_loads: bool) -> Document:
+    """The file of a train as the file of the machine that it is; as it is where it is none.
 
     Keys have their places in the train's file.
     """
     loaded = _train_of(document)
-    file = loaded.file
+    file, places = loaded.file, document.places
     with located(loaded.source):
-        keys = file.train.machine() if for_loads or file.train.TURNS_ALONE else None
-    if keys is None:
-        return document, text
-    data = {"name": file.name, "description": file.description, **keys}
-    given = {key.removeprefix("train."): key for key in document.places if key.startswith("train.")}
-    names = {**{key: key for key in dotted_keys(type(file.train))}, **file.train.WRITTEN_AS}
-    written_as = given | {key: f"train.{name}" for key, name in names.items()}
-    places = {**document.places, **{key: document.place(name) for key, name in written_as.items()}}
-    text = "".join(f"{key}: {json.dumps(value)}\n" for key, value in data.items())
-    alone = frozenset(key for key in names if f"{key}.".startswith(file.train.alone))
-    return Document(data, places, written_as, alone), text
+        if not (for_loads or file.train.TURNS_ALONE) or (data := file.machine()) is None:
+            return document
+        file.train.require_bores()
+    given = {key.removeprefix("train."): key for key in places if key.startswith("train.")}
+    written_as = given | names_in_file(type(file.train))
+    places = {**places, **{key: document.place(name) for key, name in written_as.items()}}
+    return Document(data, places, written_as, file.alone, document.data)
 
 
 def parsed(text: str, path: Path) -> LoadedDesign:

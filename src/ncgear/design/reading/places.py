@@ -30,13 +30,15 @@ class Document:
     """Plain values of a YAML file, with the place of every key and list item by its dotted path.
 
     ``written_as`` has the keys of a machine by those that the file has for them, where a train is read as a machine;
-    ``alone`` are those of the machine's keys that the train has by the same names, and that change nothing else.
+    ``alone`` are those of the machine's keys that the train has by the same names, and that change nothing else;
+    ``own`` are then the values of the file itself.
     """
 
     data: Any
     places: Mapping[str, FilePlace]
     written_as: Mapping[str, str] = field(default_factory=dict)
     alone: frozenset[str] = frozenset()
+    own: Any = None
 
     def place(self, key: str) -> FilePlace:
         """The place of ``key``, or of its nearest parent in the file."""

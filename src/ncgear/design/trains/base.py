@@ -25,10 +25,6 @@ USUAL_IN_MODULES = 0.01
 """Chord tolerance of small teeth if none is given: a twenty-fifth of a usual tip clearance."""
 
 
-RIM_IN_TOLERANCES = 2.0
-"""The thinnest rim in chord tolerances: chords of the outer circle and of the roots may each be one tolerance off."""
-
-
 class TrainKeys(Model):
     """The group ``train`` of a design file; each kind adds its own keys."""
 
@@ -48,7 +44,7 @@ class TrainKeys(Model):
 
         Raises WrongInput and NoSuchMechanism with keys that begin with ``train``, such as ``train.gears.module_mm``.
         """
-        with renamed("train.output", "train.gears"):
+        with renamed("train.output", "train.gears"), renamed("train.gears.cutter.teeth", "train.gears.teeth"):
             return with_sound_bodies(self._made())
 
     WRITTEN_AS: ClassVar[Mapping[str, str]] = {}
@@ -58,6 +54,9 @@ class TrainKeys(Model):
     def alone(self) -> tuple[str, ...]:
         """Beginnings of keys, as ``gears.``, of which the train's and the machine's of one name change the same."""
         return ("gears.", "strength.", "tolerances.")
+
+    def require_bores(self) -> None:
+        """Raise WrongInput for a bore that leaves too little of any gear, if ``machine`` does not."""
 
     def machine(self) -> dict[str, Any] | None:
         """The keys of the same gears in the file of one machine, by themselves, so that every command takes them.
@@ -81,10 +80,9 @@ def with_sound_bodies(train: Train) -> Train:
 
     tight, tolerance_mm = list[tuple[float, str, float]](), train.tolerance_mm
     for part in train.parts:
-        if part.rim_mm is not None and part.rim_mm <= RIM_IN_TOLERANCES * tolerance_mm:
+        if part.rim_mm is not None and part.rim_mm < part.wall_mm:
             raise WrongInput(
-                f"{part.rim_mm:g} mm is lost in the chord tolerance of {tolerance_mm:g} mm; over "
-                f"{RIM_IN_TOLERANCES * tolerance_mm:.3g} mm is right",
+                f"{part.rim_mm:g} mm is less than one module outside the roots; {part.wall_mm:g} mm or more is right",
                 key="train.gears.rim_mm",
             )
         if part.bore_mm is None:
@@ -94,10 +92,10 @@ def with_sound_bodies(train: Train) -> Train:
             tight.append((largest_bore_mm(*room), part.name, part.wall_mm))
     if tight:
         largest_mm, name, wall_mm = min(tight)
-        left = f"less than {wall_mm:g} mm, one module, to the teeth of" if wall_mm else "no wall in"
+        around = "to the teeth of" if train.part(name).teeth else "at the side of"
         right = said_largest(largest_mm, "none fits; larger gears are needed")
         raise WrongInput(
-            f"{train.part(name).bore_mm:g} mm leaves {left} {name}; {right}",
+            f"{train.part(name).bore_mm:g} mm leaves less than {wall_mm:g} mm, one module, {around} {name}; {right}",
             key="train.gears.bore_mm",
         )
     return train

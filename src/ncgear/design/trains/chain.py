@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from pydantic import Field
 
-from ncgear.design.keys.base import FORMULA, Expression, Faults, Length, Several, fault, optional, required
+from ncgear.design.keys.base import FORMULA, Expression, Faults, Length, Several, counts, fault, optional, required
 from ncgear.design.keys.gears import MOST_IDLERS, Bend, Lobe
-from ncgear.design.keys.masses import DrivenShaftMasses
+from ncgear.design.keys.masses import DrivenShaftMasses, shafts_counted
 from ncgear.design.trains.base import RatedGears, RatedTrain
-from ncgear.design.words import COUNTS
 from ncgear.errors import DesignError, below, renamed
 
 if TYPE_CHECKING:
@@ -73,28 +72,27 @@ class Chain(RatedTrain):
             )
 
     def _each_idler_has_its_bend(self) -> Faults:
-        gears, idlers, bends = len(self.lobes), len(self.lobes) - 2, len(self.bends_deg)
-        if bends and bends != idlers:
-            have = f"{gears} gears have {COUNTS[idlers]} idler{'s' * (idlers != 1)}"
-            yield fault("bends_deg", f"{bends} given, but {have}; as many bends are right")
+        gears, bends = len(self.lobes), len(self.bends_deg)
+        yield from counts("bends_deg", bends, gears - 2, "idler", f"of {gears} gears")
 
     def _each_shaft_between_has_its_inertia(self) -> Faults:
-        shafts, given = len(self.lobes) - 2, len(self.masses.shafts_between_kg_mm2) if self.masses else 0
-        if given and given != shafts:
-            yield fault(
-                "masses.shaft_between_kg_mm2",
-                f"{given} given, but {len(self.lobes)} gears have {COUNTS[shafts]} shafts between the first and "
-                "the last; give one moment of inertia for each, or leave it out",
-            )
+        yield from shafts_counted(self.masses, len(self.lobes) - 1)
 
-    def machine(self) -> dict[str, Any]:
-        """A pair of gears by themselves whose driven gear drives the others; raises WrongInput for too large a bore."""
+    @property
+    def alone(self) -> tuple[str, ...]:
+        """Loads are keys of the machine, too."""
+        return (*super().alone, "resistance.", "masses.")
+
+    def require_bores(self) -> None:
+        """Raise WrongInput for too large a bore; all else is refused where it is computed, with what would help."""
         try:
             self.train()
         except DesignError as refused:
-            # All else is refused where it is computed, with what would help
             if refused.key == "train.gears.bore_mm":
                 raise
+
+    def machine(self) -> dict[str, Any]:
+        """A pair of gears by themselves whose driven gear drives the others."""
         given = self.model_dump(by_alias=True, exclude_unset=True)
         body = {"bore_mm": self.gears.bore_mm} if self.gears.bore_mm else {}
         kept = ("teeth", "module_mm", "face_width_mm", "rack", "backlash_mm", "material")
@@ -134,16 +132,15 @@ class Chain(RatedTrain):
         bends = [radians(bend) for bend in self.bends_deg] or [0.0] * (len(self.lobes) - 2)
         directions = np.cumsum([0.0, *bends]).tolist()
         gears = self.gears
-        with renamed("motion", "train"), renamed("motion.expression_mm", "train.idler_radius"):
+        form, chord_mm = gears.form(gears.module_mm), gears.chord_mm(gears.module_mm)
+        # A law that is refused is refused where it is given
+        law = "ratio" if self.idler_radius is None else "idler_radius"
+        with below("train"), renamed("motion", law), renamed("motion.ratio", law), renamed("motion.expression_mm", law):
             first = self._first(Lobes(self.lobes[0], self.lobes[1]))
-        with below("train"), renamed("motion", "ratio"):
             laws = row_laws(first, self.lobes, directions, BENDS)
             row = row_of(laws, directions, gears.teeth, gears.module_mm)
             row.require_apart(BENDS)
-        form = gears.form(gears.module_mm)
-        return chain_train(
-            row, form, gears.face_width_mm, gears.bore_mm, self.speed_rpm, gears.chord_mm(gears.module_mm)
-        )
+            return chain_train(row, form, gears.face_width_mm, gears.bore_mm, self.speed_rpm, chord_mm)
 
     def _first(self, lobes: Lobes) -> Transmission:
         """The law of the first mesh."""

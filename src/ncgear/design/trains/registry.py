@@ -18,6 +18,7 @@ from typing import Any, Literal
 from pydantic import create_model
 
 from ncgear.design.keys.base import FILE_FORMAT, FileFormat, Model, optional, required
+from ncgear.design.reading.messages import dotted_keys
 from ncgear.design.reading.text import quoted
 from ncgear.design.trains.base import TrainKeys
 from ncgear.design.trains.chain import Chain
@@ -37,6 +38,23 @@ class TrainFile(Model):
     description: str = optional("free text", "", max_length=LONGEST_DESCRIPTION)
     format: FileFormat = optional(FILE_FORMAT, 1)
     train: TrainKeys = required("the train of gears; `kind` says which it is")
+
+    def machine(self) -> dict[str, Any] | None:
+        """The keys of the file of the machine that the train is by itself; None where it is none."""
+        return (keys := self.train.machine()) and {"name": self.name, "description": self.description, **keys}
+
+    @property
+    def alone(self) -> frozenset[str]:
+        """The keys of the machine by which the file, which has them below ``train``, changes the same."""
+        names = names_in_file(type(self.train))
+        return frozenset(key for key in names if f"{key}.".startswith(self.train.alone))
+
+
+@cache
+def names_in_file(kind: type[TrainKeys]) -> dict[str, str]:
+    """The keys of a train's file by those of the machine that it is, or by their own below ``train``."""
+    names = {**{key: key for key in dotted_keys(kind)}, **kind.WRITTEN_AS}
+    return {key: f"train.{name}" for key, name in names.items()}
 
 
 def train_model(data: Mapping[str, Any]) -> type[TrainFile]:

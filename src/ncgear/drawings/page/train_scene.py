@@ -65,7 +65,7 @@ def _body(train: Train, part: Part, number: int) -> Body:
     circles = [(0j, part.reach_mm)] if part.rim_mm is not None else []
     circles += [(0j, part.bore_mm / 2.0)] if part.bore_mm is not None else []
     circles += [(complex(hole.x_mm, hole.y_mm), hole.diameter_mm / 2.0) for hole in part.holes]
-    kind = KINDS[train.tint(part) % len(KINDS)] if part.teeth else BodyKind.CRANK
+    kind = KINDS[train.tints[part.name] % len(KINDS)] if part.teeth else BodyKind.CRANK
     return Body(f"part-{number}", kind, (part.outline_mm, *(as_points(at + radius * CIRCLE) for at, radius in circles)))
 
 

@@ -15,7 +15,7 @@ from typing import Any
 
 from ncgear.design.keys.base import listed
 from ncgear.design.keys.design import Design
-from ncgear.errors import DesignError
+from ncgear.errors import DesignError, NoSuchMechanism
 from ncgear.figures.advice import (
     drivetrain_advice,
     given_advice,
@@ -42,6 +42,9 @@ class KnownParts(IntEnum):
 
 
 TEETH = KnownParts.TEETH
+
+
+GOOD, GOOD_AS_JUDGED = "No warnings.", "No warnings of what was judged."
 
 
 class State(StrEnum):
@@ -90,6 +93,16 @@ def _motor(drive: Drive) -> bool:
     return followed and (design.simulation.motor is not None or (around is not None and around.motor is not None))
 
 
+def _room_of_pitch_curves(drive: Drive) -> Found:
+    """Gears of a row that overlap at every angle; all others are left to the teeth."""
+    try:
+        _ = drive.whole.row
+    except NoSuchMechanism as refusal:
+        what, _, cure = refusal.problem.partition("; ")
+        return Advice(Kind.ROOM, what, "the row cannot be built", (Remedy(cure),), brief=what)
+    return NotJudged(ONLY_TEETH)
+
+
 def _of_teeth(kind: Kind) -> Judge:
     """The function of ``teeth_advice`` that has the kind's name; a check does not load that module, which is slow."""
 
@@ -131,6 +144,7 @@ CONDITIONS: dict[Kind, Condition] = {
         lambda drive: _gears(drive) and drive.gears.idlers is not None,
         _of_teeth(Kind.ROOM),
         TEETH,
+        _room_of_pitch_curves,
         of_pair=False,
     ),
     Kind.JAMS: Condition("assembly", "the gears can be put together and turn", _gears, _of_teeth(Kind.JAMS), TEETH),
@@ -326,7 +340,7 @@ class Verdict:
     @property
     def good(self) -> str:
         """What is said where no condition is broken."""
-        return "No warnings of what was judged." if self.not_judged else "No warnings."
+        return GOOD_AS_JUDGED if self.not_judged else GOOD
 
     @property
     def table(self) -> list[dict[str, Any]]:

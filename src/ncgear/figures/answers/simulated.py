@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import chain
 from typing import Any
 
 from ncgear.dynamics.level import Level
@@ -15,6 +16,7 @@ from ncgear.figures.simulated import SAME_AS_MESH
 from ncgear.figures.strong import decided_words
 from ncgear.figures.summary.check_summary import uniform_key
 from ncgear.project.drive import Drive
+from ncgear.project.rough_strength import refusal_of_series
 
 LEVELS = {
     Level.RIGID: "Torques and forces of rigid bodies, constant driving speed",
@@ -68,7 +70,7 @@ def simulated_answer(drive: Drive, level: Level, figures: Mapping[str, Any], ver
             own, other = figures["this_design"], figures[uniform]
             heads = THIS, drive.linkage.UNIFORM
             about += _changing_flanks(drive, own)
-            rows = [*_compared(own, other), *_around(figures.get("drivetrain", {}))]
+            rows = [*_compared(own, other, drive.design.stages), *_around(figures.get("drivetrain", {}))]
         case Level.QUASI_STATIC:
             loaded, band = figures["loaded_contact"], figures["band_of_stiffness"]
             shares = [one["stiffness_factor"] for one in (band["softer"], band["stiffer"])]
@@ -81,7 +83,8 @@ def simulated_answer(drive: Drive, level: Level, figures: Mapping[str, Any], ver
             rows = [row(key, value) for key, value in told if not key.endswith(PLACE)]
             rows += [row(key, figures["motion_in_time"][key]) for key in MOVED]
             rows += _not_followed(figures["band_of_stiffness"])
-    after = AFTER[level if drive.design.stages == 1 else Level.DYNAMIC]
+    rated = AFTER[level if drive.design.stages == 1 else Level.DYNAMIC]
+    after = "ncgear build {file}" if refusal_of_series(drive) else rated
     return Answer(
         head_of(drive),
         tuple(rows),
@@ -111,11 +114,21 @@ def _changing_flanks(drive: Drive, own: Mapping[str, Any]) -> str:
     return f"; without knocks where the load changes flanks, {changes} times a cycle (ncgear strength)"
 
 
-def _compared(own: Mapping[str, Any], other: Mapping[str, Any]) -> list[Row]:
+def _compared(own: Mapping[str, Any], other: Mapping[str, Any], pairs: int) -> list[Row]:
+    """Rows of both machines; forces of more than two pairs, for which a screen is too small, in a line of each kind."""
+    together = {}
+    if pairs > 2:
+        last, *meshes = (key for key in own if key.startswith("peak_") and key.endswith("mesh_force_n"))
+        together = {
+            "mesh forces": [*meshes, last],
+            "bearing forces": [key for key in own if key.endswith("bearing_force_n")],
+        }
     told = {*COMPARED, SAME_AS_MESH}
     joints = [key for key in own if key.startswith("peak_") and key.endswith("_force_n") and key not in told]
-    keys = [key for key in (*COMPARED, *joints) if key in own]
-    return [_beside(key, own[key], other.get(key)) for key in keys]
+    keys = [key for key in (*COMPARED, *joints) if key in own and key not in chain(*together.values())]
+    rows = [_beside(key, own[key], other.get(key)) for key in keys]
+    said = {name: ", ".join(figure(key, own[key]) for key in of) for name, of in together.items()}
+    return [*rows, *(Row(name, (f"at most {text}, from the driving shaft on",)) for name, text in said.items())]
 
 
 def _beside(key: str, own: float, other: float | None) -> Row:

@@ -12,7 +12,7 @@ from ncgear.design.reading.text import whole
 from ncgear.design.rewritten import told_copy
 from ncgear.figures.advice.drivetrain_advice import around
 from ncgear.figures.advice.values import Advice, Kind, Remedy, changed, in_file
-from ncgear.figures.advice.verdict import Verdict
+from ncgear.figures.advice.verdict import State, Verdict
 from ncgear.figures.answers.answer import Answer, Fault, Row, faults_of
 from ncgear.figures.answers.machine import gear_rows
 from ncgear.figures.flanks import hours_words, surfaces_rows, vibration_of_rating, vibration_words
@@ -78,7 +78,8 @@ def strength_answer(
         worn_out += [] if under else [Fault(f"{pair.of}{fault}") for fault in worn_fault(worn)]
     design, faults = drive.design, [*(fault for _, fault in sorted(weak, key=lambda one: one[0])), *worn_out]
     others = faults_of(verdict.without(Kind.STRENGTH))
-    held = holding_words(any(rating.strength.wears for _, rating, *_ in pairs))
+    judged = all(row.state is not State.NOT_JUDGED for row in verdict.rows if row.kind is Kind.STRENGTH)
+    held = holding_words(wears=any(rating.strength.wears for _, rating, *_ in pairs), judged=judged)
     return Answer(
         f"{design.name}: strength of the teeth at {design.operation.speed_rpm:g} r/min",
         # What was asked for stays where a screen is too small
@@ -300,6 +301,7 @@ def sized_design(loaded: LoadedDesign, one: Sized, asked: dict[str, float | str]
     """The text of a design file with other gears and with what was asked for, its name and description saying so."""
     design = loaded.design
     chosen = {key: whole(value) if isinstance(value, float) else value for key, value in (asked | one.changes).items()}
-    said = f"Sized: {design.name} with {listed(map(str, changed(chosen)), 'and')}, so that its teeth hold."
+    keys = listed(map(str, in_file(design, changed(chosen))), "and")
+    said = f"Sized: {design.name} with {keys}, so that its teeth hold."
     values = {**chosen, **dict.fromkeys(stated_inertias(design))}
-    return told_copy(loaded, SUFFIX, said, values)
+    return told_copy(loaded, SUFFIX, said, {design.key_in_file(key) or key: one for key, one in values.items()})
