@@ -299,7 +299,7 @@ def quick(drive):
         "figures/advice/verdict.py": {
             "from ncgear.figures.advice.values ": "from ncgear.figures.advice import dummy_advice",
             "    Kind.SPEEDS:": "    Kind.DUMMY: Condition("
-            '"slowness", "it is slow", lambda _: True, dummy_advice.quick, of_pair=False),',
+            '"slowness", "it is slow", dummy_advice.quick, concerns=_always, of_pair=False),',
         },
     },
 )
