@@ -21,6 +21,7 @@ from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.strong import (
     DECIDING,
     HEADS,
+    METHODS,
     deciding_forces,
     deciding_words,
     face_load_words,
@@ -47,9 +48,6 @@ from ncgear.project.worn import Worn
 from ncgear.strength.holding import Damage, worst
 
 HOLD_NOT = "The teeth do not hold: these are under the wanted safety, the weakest first"
-
-METHODS = {"estimate": "local estimate after ISO 6336 and VDI 2736", "elements": "plane finite elements"}
-"""A method in a part of a line."""
 
 
 def strength_answer(
@@ -82,7 +80,7 @@ def strength_answer(
     return Answer(
         f"{design.name}: strength of the teeth at {design.operation.speed_rpm:g} r/min",
         # What was asked for stays where a screen is too small
-        (*lasting, *rows, Row("method", (METHODS[first.strength.method],)), *about),
+        (*lasting, *rows, Row("method", (METHODS[first.strength.method].partition(",")[0],)), *about),
         (*faults, *others),
         f"Load: {load_words(drive, first.strength)}",
         heads=tuple(heads),
