@@ -291,7 +291,7 @@ from ncgear.figures.advice.values import Advice, Kind
 def quick(drive):
     rpm = drive.design.operation.speed_rpm
     if rpm > 100.0:
-        return Advice(Kind.DUMMY, f"{rpm:g} r/min is over 100", "a dummy", brief=f"{rpm:g} r/min")
+        return Advice(Kind.DUMMY, f"{rpm:g} r/min", "over 100")
 """
     },
     {

@@ -332,8 +332,8 @@ class Verdict:
                 "stage": row.stage,
                 "says": CONDITIONS[row.kind].kept,
                 "verdict": str(row.state),
-                "because": "; ".join(advice.brief for advice in row.advices if advice.matters) or row.why,
-                "remark": "; ".join(advice.brief for advice in row.advices if not advice.matters),
+                "because": "; ".join(advice.what for advice in row.advices if advice.matters) or row.why,
+                "remark": "; ".join(advice.what for advice in row.advices if not advice.matters),
             }
             for row in self.rows
         ]

@@ -165,7 +165,7 @@ def sized_answer(
         for told in parts_that_fail(one):
             failing.setdefault(told, []).append(f"{one.module_mm:g}")
     faults = [
-        Fault(f"module {listed(modules, 'and')} mm: {told.brief}", tuple(remedy.brief for remedy in told.remedies))
+        Fault(f"module {listed(modules, 'and')} mm: {told.what}", tuple(remedy.brief for remedy in told.remedies))
         for told, modules in failing.items()
     ]
     return Answer(
