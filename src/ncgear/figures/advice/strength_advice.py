@@ -218,8 +218,8 @@ def _together(drive: Drive) -> Remedy:
     return Remedy(words, short="material, module and face width together")
 
 
-FLANK_LOADS_UNKNOWN = "the loads of the flanks are not followed"
-"""Why flanks are not judged whose strength is not computed, where no other reason is known."""
+LOADS_UNKNOWN = "the loads of the teeth are not followed"
+"""Why flanks and a mesh are not judged whose strength is not computed, where no other reason is known."""
 
 
 def flanks(drive: Drive) -> Iterator[Advice | NotJudged]:
@@ -232,7 +232,7 @@ def flanks(drive: Drive) -> Iterator[Advice | NotJudged]:
     if not isinstance(rating, Rating):
         rough = beside_refusal(drive, rating)
         if rough is not None:
-            yield NotJudged(rough.unjudged or rough.needs_teeth or FLANK_LOADS_UNKNOWN)
+            yield NotJudged(rough.unjudged or rough.needs_teeth or LOADS_UNKNOWN)
         return
     from ncgear.strength.surfaces import LEAST_SCUFFING
 
@@ -287,10 +287,6 @@ def _boundary(film: Film, found: Surfaces) -> Advice:
         "micropitting",
         matters=False,
     )
-
-
-LOADS_UNKNOWN = "the loads of the teeth are not followed"
-"""Why a mesh is not judged whose strength is not computed, where no other reason is known."""
 
 
 def vibration(drive: Drive) -> Iterator[Advice | NotJudged]:
