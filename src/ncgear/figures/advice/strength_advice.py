@@ -54,7 +54,7 @@ def strength(drive: Drive) -> Advice | NotJudged | None:
     first = worst(weak)
     at = degrees(first.phi1_rad)
     also = "".join(
-        f"; {one.gear.value} gear, {one.damage.words}: {to_digits(one.safety, 2)} at tooth {one.tooth}"
+        f"; also {one.gear.value} gear, {one.damage.words}: {to_digits(one.safety, 2)} at tooth {one.tooth}"
         for one in weak
         if one is not first
     )

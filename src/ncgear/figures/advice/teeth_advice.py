@@ -74,8 +74,8 @@ def undercut(drive: Drive) -> Advice | None:
     if not allowed:
         tips = f" ({_named(shorter)})" if shorter else ""
         meaning = f"the mating tips are shortened instead{tips}, so that all flanks are exact; the contact is shorter"
-    what, named = f"{_counted(found)} {'are' if allowed else 'would be'} undercut", _named(found)
-    named += "" if allowed else " at full height"
+    what = f"{_counted(found)} {'are' if allowed else 'would be'} undercut"
+    named = f"{'' if allowed else 'at full height '}{_named(found)}"
     told = _judged(drive, Advice(Kind.UNDERCUT, what, meaning), named, found if allowed else shorter)
     return replace(told, remedies=_ways_out_of_undercut(drive)) if told.matters else told
 
