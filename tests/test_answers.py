@@ -190,7 +190,7 @@ def test_columns_stand_below_their_heads() -> None:
 
 
 def advice(kind: Kind, matters: bool = True) -> Advice:
-    return Advice(kind, "what", "meaning", (Remedy("text"),), matters, brief=kind.value)
+    return Advice(kind, kind.value, "meaning", (Remedy("text"),), matters)
 
 
 def test_the_most_serious_comes_first_and_remarks_are_left_out() -> None:

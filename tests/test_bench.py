@@ -34,7 +34,7 @@ NAME = "ellipse"
 
 def stage_of(errors: list[float], asked: float) -> BenchStage:
     trials = tuple(TimedStage(2.0**n, 1e-3 * 2.0**n, error, 2**n) for n, error in enumerate(errors))
-    return BenchStage("made up", "points", "", "nothing", "mm", "nothing", asked, "k", 4.0, trials)
+    return BenchStage("points", "nothing", "nothing", asked, 4.0, trials, name="made up")
 
 
 class TestRecommendation:
@@ -179,7 +179,7 @@ def test_both_of_two_pairs_are_measured() -> None:
 def test_a_tolerance_that_is_asked_for_decides() -> None:
     """The same errors, asked for ten times as fine, ask for a finer setting."""
     stage = stage_of([1.0, 0.25, 0.0625, 0.015625], 0.3)
-    finer = replace(stage, asked=stage.asked / 10.0).recommended
+    finer = replace(stage, asked_error=stage.asked_error / 10.0).recommended
     assert stage.recommended is not None
     assert finer is not None
     assert finer.setting > stage.recommended.setting

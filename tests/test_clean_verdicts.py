@@ -172,7 +172,7 @@ def _worst(seen: Seen) -> Pair:
 def contact(seen: Seen, row: JudgedCondition) -> Finding:
     """Flanks touch at the law's angles, but for chords, or part about the angle that is told."""
     if row.state is not State.KEPT:
-        told = re.findall(r"[\d.]+", re.findall("phi1 = (.*?) deg, no flanks", row.advices[0].what)[0])
+        told = re.findall(r"[\d.]+", re.findall("phi1 = (.*?) deg, since", row.advices[0].meaning)[0])
         gap = max(_gaps(seen, angle, angle).max() for angle in map(float, told))
         return None if gap > seen.chord_mm or _hidden(seen) else f"flanks part by {gap:.2g} mm only where it is told"
     phi1, phi2 = seen.angles(outside.POSITIONS)
@@ -453,7 +453,7 @@ def kept(kind: Kind) -> JudgedCondition:
 
 def broken(kind: Kind) -> JudgedCondition:
     """What a verdict that sees everything would say."""
-    return JudgedCondition(kind, None, (Advice(kind, "it is wrong", "it breaks", brief="it is wrong"),))
+    return JudgedCondition(kind, None, (Advice(kind, "it is wrong", "it breaks"),))
 
 
 def seen_of(seed: int, **gears: Any) -> Seen:
@@ -463,7 +463,7 @@ def seen_of(seed: int, **gears: Any) -> Seen:
     return Seen(data, Drive(design_of(data)))
 
 
-SILENT = Advice(Kind.WITHOUT_EFFECT, "resistance never acts", "no force", brief="resistance never acts")
+SILENT = Advice(Kind.WITHOUT_EFFECT, "resistance never acts", "no force")
 
 CLEAN = 126
 """A crank-slider with masses that keeps everything."""

@@ -261,8 +261,8 @@ def test_another_unit_and_a_gap_are_remarked_and_cost_no_clean_verdict(tmp_path:
     unit, gap = drawing(from_folder(tmp_path))
     assert not unit.matters
     assert not gap.matters
-    assert "taken as about 60 by 41 mm; in inch it would be 1524 by 1042 mm" in unit.brief
-    assert "miss each other by up to 0.00035 mm" in gap.brief
+    assert "taken as about 60 by 41 mm; in inch it would be 1524 by 1042 mm" in unit.what
+    assert "miss each other by up to 0.00035 mm" in gap.what
     document = made(circle)
     document.units = ezdxf.units.MM
     distance_mm(tmp_path, document)
@@ -325,7 +325,7 @@ def test_what_is_drawn_twice_counts_once_and_is_remarked(
     made(add).saveas(tmp_path / "contour.dxf")
     drive = from_folder(tmp_path)
     assert drive.law.facts["contour_doubled_mm"] == pytest.approx(doubled_mm, rel=1e-5)
-    (remark,) = (one for one in drawing(drive) if "drawn twice" in one.brief)
+    (remark,) = (one for one in drawing(drive) if "drawn twice" in one.what)
     assert not remark.matters
     wanted = 51.732811 if alone is None else drawn_mm(alone)
     assert drive.law.center_distance_mm == pytest.approx(wanted, abs=1e-6)

@@ -314,7 +314,7 @@ def test_a_thrust_pushes_both_gears_to_opposite_sides(hand: str, towards: str) -
     bare = Made(drivetrain=None)
     found = teeth_advice.thrust(Made(helix=Made(thrust_share=0.25, hand=hand), design=bare))
     assert found is not None
-    assert f"driving gear towards {towards} z" in found.what
+    assert f"driving gear towards {towards} z" in found.meaning
     assert teeth_advice.thrust(Made(helix=Made(thrust_share=0.0, hand=hand), design=bare)) is None
 
 
@@ -325,7 +325,7 @@ def test_gears_of_a_row_that_touch_meet() -> None:
         for least in (0.1, 0.0, -2.0)
     ]
     found = teeth_advice.room(Made(whole=Made(row_room=rooms)))
-    assert [one.brief for one in found] == ["driving and idler 2 meet at phi1 = 90 deg"] * 2
+    assert [one.what for one in found] == ["driving and idler 2 meet at phi1 = 90 deg"] * 2
 
 
 @pytest.mark.judges("figures")

@@ -322,9 +322,9 @@ def test_flanks_that_wear_or_scuff_are_told_and_a_thin_film_is_a_remark() -> Non
     dry = [one for one in flanks(with_strength("lubrication: dry")) if isinstance(one, Advice)]
     assert len(dry) == 1
     assert dry[0].matters
-    assert "wear away" in dry[0].brief
+    assert "wear away" in dry[0].what
     broken = [
-        one.brief for one in flanks(with_strength("oil_fzg_stage: 1, temperature_c: 110")) if isinstance(one, Advice)
+        one.what for one in flanks(with_strength("oil_fzg_stage: 1, temperature_c: 110")) if isinstance(one, Advice)
     ]
     assert any("scuff" in one for one in broken)
     helical = drive_of_text(

@@ -291,7 +291,7 @@ from ncgear.figures.advice.values import Advice, Kind
 def quick(drive):
     rpm = drive.design.operation.speed_rpm
     if rpm > 100.0:
-        return Advice(Kind.DUMMY, f"{rpm:g} r/min is over 100", "a dummy", brief=f"{rpm:g} r/min")
+        return Advice(Kind.DUMMY, f"{rpm:g} r/min", "over 100")
 """
     },
     {
@@ -299,7 +299,7 @@ def quick(drive):
         "figures/advice/verdict.py": {
             "from ncgear.figures.advice.values ": "from ncgear.figures.advice import dummy_advice",
             "    Kind.SPEEDS:": "    Kind.DUMMY: Condition("
-            '"slowness", "it is slow", lambda _: True, dummy_advice.quick, of_pair=False),',
+            '"slowness", "it is slow", dummy_advice.quick, concerns=_always, of_pair=False),',
         },
     },
 )

@@ -231,7 +231,7 @@ def test_shafts_keys_bearings_and_joints_tell_which_load_decides(
 
 @pytest.mark.slow
 def test_what_a_jam_dents_is_told() -> None:
-    said = [one.brief for one in around(drive_of_text(text_of(1.0, AROUND))) if isinstance(one, Advice)]
+    said = [one.what for one in around(drive_of_text(text_of(1.0, AROUND))) if isinstance(one, Advice)]
     assert not any("in a jam bearing a of the driving" in one for one in said)
     weak = AROUND.replace("4000", "1000").replace("steel: C45", "steel: S355").replace("length_mm: 10", "length_mm: 3")
     said = [one.line for one in around(drive_of_text(text_of(1.0, weak))) if isinstance(one, Advice)]
@@ -240,7 +240,7 @@ def test_what_a_jam_dents_is_told() -> None:
     )
     assert "drivetrain.driving_shaft.bearing_a.static_rating_n: 1353 or over" in dented
     assert any(one.startswith("in a jam the pressure on the key of the driving shaft is 1271 MPa") for one in said)
-    without = [one.brief for one in around(drive_of_text(text_of(None, weak))) if isinstance(one, Advice)]
+    without = [one.what for one in around(drive_of_text(text_of(None, weak))) if isinstance(one, Advice)]
     assert not any("jam" in one for one in without)
 
 
@@ -276,7 +276,7 @@ def test_a_jam_alone_is_rated_as_beside_a_resistance() -> None:
     assert rated.strength.peak_pair_n == pytest.approx(beside.peak_pair_n, rel=0.05)
     told = rough(alone)
     assert isinstance(told, Advice)
-    assert "against pitting" in told.brief
+    assert "against pitting" in told.what
     assert min(one.safety for one in rated.weakest if one.damage is Damage.CONTACT) < 1.0
     # Without the jam nothing loads the teeth.
     with pytest.raises(WrongInput, match="missing"):
@@ -341,5 +341,5 @@ def test_a_check_judges_the_jam_of_two_pairs_whose_knocks_only_teeth_can_tell() 
         assert weak == pytest.approx(min(one.safety for one in single.weak), rel=1e-6)
         told = rough(pair)
         assert isinstance(told, Advice)
-        assert "safety about" in told.brief
+        assert "safety about" in told.what
         assert "the load of a jam" in told.line

@@ -251,11 +251,10 @@ def test_errors_of_samples_and_chords_fall_with_the_square_of_their_number() -> 
             float(np.mean(k**2)) * length * (length / trial.setting) ** 2 / 24.0, rel=0.03
         )
         assert trial.size == trial.setting
-    assert curves.asked == one.chord_tolerance_mm
-    assert [curves.recommended.error <= curves.asked, curves.trials[0].error > curves.asked] == [True, True]
-    tried = BenchStage(
-        "", "", "mm", "", "", "", 0.02, "", 0.0, (TimedStage(0.4, 0.0, 0.16, 1), TimedStage(0.1, 0.0, 0.01, 1))
-    )
+    assert curves.asked_error == one.chord_tolerance_mm
+    assert [curves.recommended.error <= curves.asked_error, curves.trials[0].error > curves.asked_error] == [True, True]
+    trials = TimedStage(0.4, 0.0, 0.16, 1), TimedStage(0.1, 0.0, 0.01, 1)
+    tried = BenchStage("", "", "", 0.02, 0.0, trials, "mm")
     assert tried.order == pytest.approx(2.0)
     assert step_count(one) == 5
 

@@ -165,7 +165,7 @@ def test_a_machine_whose_verdict_breaks_a_condition_is_unfit(monkeypatch: pytest
     monkeypatch.setattr(machine_room, "_wider", lambda drive: 1.3)
     more = {Kind.CONTACT_RATIO: [Remedy("more teeth", search=RemedySearch.FINER)]}
     for kinds, wider in (((Kind.STRENGTH, Kind.CONTACT_RATIO), 1.3), ((Kind.CONTACT_RATIO,), None)):
-        advices = [SimpleNamespace(brief="no", remedies=more.get(kind, [])) for kind in kinds]
+        advices = [SimpleNamespace(what="no", remedies=more.get(kind, [])) for kind in kinds]
         rows = [
             SimpleNamespace(kind=kind, state=State.BROKEN, advices=[advice])
             for kind, advice in zip(kinds, advices, strict=True)
@@ -410,7 +410,7 @@ def test_more_teeth_are_tried_where_the_verdict_names_them(
     remedies: tuple[Remedy, ...], then: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     making = gears._Making(loaded("pusher"), gears.GearJob(found_law(5000.0), None, ("hobbed",)), "hobbed")
-    advice = Advice(Kind.SHORTENED, "shortened tips", "less contact", remedies, brief="two tips")
+    advice = Advice(Kind.SHORTENED, "two tips", "less contact", remedies)
     row = SimpleNamespace(kind=Kind.SHORTENED, state=State.BROKEN, advices=(advice,))
     monkeypatch.setattr(gears, "judged", lambda drive, known, seconds: SimpleNamespace(rows=(row,)))
     assert making.is_clean(Sized({}, None, None)) is then  # type: ignore[arg-type]

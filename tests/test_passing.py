@@ -144,7 +144,7 @@ def test_distance_from_a_segment_is_shapely_s() -> None:
 
 
 def meeting(more: str, axis: float = 0.0) -> list[str]:
-    return [advice.what for advice in rods(made("in front", axis, more))]
+    return [advice.line for advice in rods(made("in front", axis, more))]
 
 
 @pytest.mark.slow
@@ -153,7 +153,7 @@ def test_a_rod_that_meets_the_shaft_is_told_unless_the_file_says_that_it_ends() 
     (told,) = meeting("fit: {}")
     assert meeting("") == [told]
     assert "the rod meets the driving shaft" in told
-    assert "at 0 mm, at phi1 = 0 deg" in told
+    assert "at phi1 = 0 deg; its middle passes the centre at 0 mm" in told
     assert meeting("fit: {rod_width_mm: 20}", 180.0) == []
     (wide,) = rods(made("in front", 180.0, "fit: {rod_width_mm: 80}"))
     room = next(one.room_mm for one in made("in front", 180.0).passings if one.part == "rod")
@@ -184,7 +184,7 @@ def test_a_pin_beside_a_hub_is_remarked() -> None:
     told = pin_beside_hub(drive_of_text(text.replace("driving: {bore_mm: 12}", body)))
     assert told is not None
     assert not told.matters
-    assert "6 mm high" in told.what
+    assert "6 mm high" in told.meaning
     assert pin_beside_hub(drive_of_text(text)) is None
 
 
@@ -226,7 +226,7 @@ def test_pinion_and_rack_are_judged_against_the_driving_shaft(axis: float, radiu
     keys = drive("rack-feed").design.model_dump(exclude_unset=True)
     keys["linkage"]["radius_mm"], keys["gears"] = radius, {**keys["gears"], **gears}
     found = Drive(design_of(keys))
-    told = [advice.what.partition(":")[0] for advice in rods(found)]
+    told = [advice.what.partition(" at phi1")[0] for advice in rods(found)]
     assert told == [f"the {part} meets the driving shaft" for part in met]
     assert rods(Drive(design_of({**keys, "fit": {"driving_shaft": "ends"}}))) == []
     with pytest.raises(ValidationError, match="turns no crank"):
@@ -255,8 +255,8 @@ LEVER = "{{kind: slotted_lever, crank_mm: 30, pivot_mm: {pivot}, lever_mm: 90}}"
 def test_a_crank_pin_that_covers_the_lever_s_axis_is_told(pivot: float, meets: bool) -> None:
     """The pin, 12 mm thick as the shaft, comes within pivot - crank of the axis, whatever the driving shaft does."""
     text = TEXT.format(linkage=LEVER.format(pivot=pivot), axis=180.0, more="fit: {driving_shaft: ends}")
-    told = [one.what for one in crank_pin(drive_of_text(text)) if isinstance(one, Advice)]
-    assert told == ([f"the crank pin passes {pivot - 30:g} mm from the middle of the lever's axis"] if meets else [])
+    told = [one.meaning for one in crank_pin(drive_of_text(text)) if isinstance(one, Advice)]
+    assert told == ([f"it passes {pivot - 30:g} mm from its middle"] if meets else [])
 
 
 @pytest.mark.slow
@@ -280,7 +280,9 @@ def test_a_yoke_s_bar_and_slot_meet_what_stands_in_their_way(axis: float, width:
     """The bar runs along the slider's line; the slot ends 43.63 mm from the shaft across it."""
     found = made("yoke", axis, f"fit: {{rod_width_mm: {width}}}")
     assert found.pitch.center_distance_mm - 30.0 - 6.0 == pytest.approx(43.629, abs=1e-3)
-    assert [advice.what.partition(":")[0] for advice in rods(found)] == ["the slider meets the driving shaft"] * meets
+    assert [advice.what.partition(" at phi1")[0] for advice in rods(found)] == [
+        "the slider meets the driving shaft"
+    ] * meets
 
 
 @pytest.mark.slow
@@ -299,7 +301,7 @@ def test_a_crank_pin_that_sweeps_over_an_end_stop_is_told(axis: float, radius: f
 def test_a_lever_s_ram_meets_a_shaft_in_its_way(axis: float, met: list[str]) -> None:
     """The ram's line is 70 mm over the crank's axis, the shaft's middle 79.6 mm: a bar 24 mm wide reaches it."""
     found = rods(made("lever", axis, "fit: {rod_width_mm: 24}"))
-    assert [advice.what.partition(":")[0] for advice in found] == [
+    assert [advice.what.partition(" at phi1")[0] for advice in found] == [
         f"the {part} meets the driving shaft" for part in met
     ]
 

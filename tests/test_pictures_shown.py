@@ -434,7 +434,7 @@ def test_trials_are_shown_by_time_and_error_and_the_one_that_is_recommended(show
     """In ms; an error of nothing is shown as the least, and room is left around all and what is asked."""
     trials = tuple(TimedStage(setting, time, error, 9) for setting, time, error in
                    ((0.4, 0.002, 0.3), (0.2, 0.004, 0.01), (0.1, 0.009, 0.0)))  # fmt: skip
-    stage = BenchStage("teeth", "tolerance", "mm", "error", "mm", "exact", 0.02, "key", 0.2, trials)
+    stage = BenchStage("tolerance", "error", "exact", 0.02, 0.2, trials, "mm", name="teeth")
     (axes,) = shown(stage_png, stage, "name").axes
     tried, asked, best = axes.lines
     assert list(tried.get_xdata()) == pytest.approx([2.0, 4.0, 9.0])
@@ -446,11 +446,11 @@ def test_trials_are_shown_by_time_and_error_and_the_one_that_is_recommended(show
     assert left < 2.0 < 9.0 < right
     assert low < tried.get_ydata()[2] < 0.3 < high
     assert [text.xy for text in axes.texts] == [pytest.approx(place) for place in tried.get_xydata()]
-    coarse = replace(stage, asked=1e-9, trials=trials[:2])
+    coarse = replace(stage, asked_error=1e-9, trials=trials[:2])
     (axes,) = shown(stage_png, coarse, "name").axes
     assert len(axes.lines) == 2
     assert axes.get_ylim()[0] < 1e-9
-    wide = replace(stage, asked=5.0)
+    wide = replace(stage, asked_error=5.0)
     assert shown(stage_png, wide, "name").axes[0].get_ylim()[1] > 5.0
 
 

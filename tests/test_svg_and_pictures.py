@@ -172,7 +172,7 @@ def test_a_letter_with_holes_is_its_outer_contour_and_says_so(tmp_path: Path) ->
     path = ARCS.replace(' d="', ' d="' + hole.format(-15, -5, -15)).replace('"/>', hole.format(5, 15, 5) + '"/>')
     found = from_svg(tmp_path, page(path))
     assert found.law.center_distance_mm == alone.law.center_distance_mm
-    assert [one.brief for one in drawing(found)] == ["the contour encloses 2 more of its element: they are left out"]
+    assert [one.what for one in drawing(found)] == ["the contour encloses 2 more of its element: they are left out"]
     assert not list(drawing(alone))
 
 

@@ -67,7 +67,7 @@ def test_a_place_that_is_not_resolved_beside_a_turn_is_zero() -> None:
     (met,) = (one for one in rods(made) if isinstance(one, Advice))
     (at,) = (degrees(one.phi1_rad) for one in made.passings if one.meets and one.part != CRANK_PIN)
     assert 0.0 < abs(at) < 1e-4
-    assert met.brief.endswith("at phi1 = 0 deg")
+    assert met.what.endswith("at phi1 = 0 deg")
     assert "phi1 = 0 deg" in met.what
 
 

@@ -252,8 +252,8 @@ def test_the_gear_that_wears_most_is_told_with_its_tooth_and_what_helps_its_mate
         gears = Made(material=PairMaterial.model_validate({"driving": "C45", "driven": material}))
         drive: Any = Made(gears=gears, conditions=Made(lubrication=lubrication))
         advice = strength_advice._wear(wear, drive)
-        assert "tooth 5 of the driven gear loses 0.5 mm" in advice.what
-        assert "a tenth of the module, 0.25 mm," in advice.what
+        assert "tooth 5 of the driven gear loses 0.5 mm" in advice.meaning
+        assert "the tenth is 0.25 mm" in advice.meaning
         assert "by up to 0.6 mm" in str(advice)
         assert [one.short for one in advice.remedies] == remedies
 

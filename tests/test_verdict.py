@@ -111,7 +111,7 @@ def test_a_condition_is_broken_whatever_else_was_not_judged() -> None:
 
 
 def found_advice(kind: Kind) -> Advice:
-    return Advice(kind, "it is wrong", "it breaks", brief="it is wrong")
+    return Advice(kind, "it is wrong", "it breaks")
 
 
 def test_pairs_say_once_what_is_of_the_whole_machine() -> None:

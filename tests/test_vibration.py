@@ -136,14 +136,14 @@ def test_a_mesh_is_said_to_resonate_where_it_does_and_nowhere_else() -> None:
         (advice,) = strength_advice.vibration(fast)
         assert isinstance(advice, Advice)
         assert advice.matters
-        assert advice.brief.startswith("the mesh resonates (N from 0.85 to 1.15) between phi1 = ")
-        assert advice.brief.endswith(f" at {round(speed)} r/min")
+        assert advice.what.startswith("the mesh resonates (N from 0.85 to 1.15) between phi1 = ")
+        assert advice.what.endswith(f" at {round(speed)} r/min")
         rough = rough_strength(fast)
         assert rough is not None
         assert rough.vibration is not None
         assert rough.vibration.resonance_ratio_max == pytest.approx(told.resonance_ratio_max * speed / 900.0, rel=0.1)
         assert any(isinstance(one, Advice) for one in strength_advice.rough_vibration(fast))
-        first = [float(end) for end in re.findall(r"\d+", advice.brief.partition("phi1 = ")[2])[:2]]
+        first = [float(end) for end in re.findall(r"\d+", advice.what.partition("phi1 = ")[2])[:2]]
         inside = drive.vibration.resonance(np.radians([np.mean(first)]), _mesh(drive))
         assert 0.85 <= float(inside[0]) * speed / 900.0 <= 1.15
     still = drive_of_text(ELLIPSE.replace("900", f"{0.9 * low:.0f}"))

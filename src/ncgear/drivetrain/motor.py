@@ -131,13 +131,17 @@ class Stall:
     given_n_mm: float
 
     def __str__(self) -> str:
+        return f"the motor stops at phi1 = {in_words(self.phi1_rad)}, {self.there}"
+
+    @property
+    def there(self) -> str:
+        """The place of the crank, and all torques, in words."""
         needed, most, given = (
             N_M_PER_N_MM * torque for torque in (self.needed_n_mm, self.most_n_mm.value, self.given_n_mm)
         )
         return (
-            f"the motor stops at phi1 = {in_words(self.phi1_rad)}, crank at {in_words(self.crank_rad)}: the machine "
-            f"needs {needed:.4g} N m at the driving shaft there, and {most:.4g} N m at phi1 = "
-            f"{in_words(self.most_n_mm.at)}; the motor gives {given:.4g} N m at rest"
+            f"crank at {in_words(self.crank_rad)}: the machine needs {needed:.4g} N m at the driving shaft there, and "
+            f"{most:.4g} N m at phi1 = {in_words(self.most_n_mm.at)}; the motor gives {given:.4g} N m at rest"
         )
 
     @property

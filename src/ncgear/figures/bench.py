@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict
 from typing import Any
 
 from ncgear.figures.answers.answer import Answer, Fault, Row
@@ -22,43 +21,24 @@ def bench_figures(stages: Sequence[BenchStage], name: str) -> dict[str, Any]:
     }
 
 
-def _stage_figures(stage: BenchStage) -> dict[str, Any]:
-    return {
-        "varied": stage.varied,
-        "varied_unit": stage.varied_unit,
-        "error_of": stage.error_of,
-        "error_unit": stage.unit,
-        "reference": stage.reference,
-        "asked_error": stage.asked,
-        "asked_by": stage.key or None,
-        "used": stage.used,
-        "order": stage.order,
-        "recommended": stage.recommended and asdict(stage.recommended),
-        "trials": list(map(asdict, stage.trials)),
-    }
-
-
+KEYS = ("varied", "varied_unit", "error_of", "error_unit", "reference", "asked_error", "asked_by", "used", "order")
 COLUMNS = ("stage", "varied", "setting", "size", "time_s", "error", "error_unit", "asked_error", "recommended")
+
+
+def _stage_figures(stage: BenchStage) -> dict[str, Any]:
+    recommended = stage.recommended and vars(stage.recommended)
+    trials = {"recommended": recommended, "trials": list(map(vars, stage.trials))}
+    return {key: getattr(stage, key) for key in KEYS} | trials
 
 
 def bench_csv(stages: Sequence[BenchStage]) -> str:
     """A row for each trial; ``recommended`` is 1 for the recommended trial, else 0."""
-    rows = (
-        (
-            of.name,
-            of.varied,
-            one.setting,
-            one.size,
-            one.time_s,
-            one.error,
-            of.unit,
-            of.asked,
-            int(one is of.recommended),
-        )
+    told = (
+        vars(of) | vars(one) | {"stage": of.name, "recommended": int(one is of.recommended)}
         for of in stages
         for one in of.trials
     )
-    return rows_text(COLUMNS, rows)
+    return rows_text(COLUMNS, ([row[column] for column in COLUMNS] for row in told))
 
 
 def setting_words(stage: BenchStage, setting: float) -> str:
@@ -68,7 +48,7 @@ def setting_words(stage: BenchStage, setting: float) -> str:
 
 def error_words(stage: BenchStage, error: float) -> str:
     """An error as a length or as a share."""
-    return micrometres(error) if stage.unit == "mm" else f"{to_digits(100.0 * error, 2)} %"
+    return micrometres(error) if stage.error_unit == "mm" else f"{to_digits(100.0 * error, 2)} %"
 
 
 def time_words(time_s: float) -> str:
@@ -79,6 +59,7 @@ def time_words(time_s: float) -> str:
 def bench_answer(stages: Sequence[BenchStage], name: str, then: str) -> Answer:
     """A row for each stage, what dominates, and the stages for which nothing tried was fine enough."""
     recommended = [(stage, stage.recommended) for stage in stages]
+    asked = {stage.name: error_words(stage, stage.asked_error) for stage in stages}
     whole = sum(trial.time_s for _, trial in recommended if trial)
     rows = [
         Row(
@@ -87,7 +68,7 @@ def bench_answer(stages: Sequence[BenchStage], name: str, then: str) -> Answer:
                 setting_words(stage, trial.setting),
                 setting_words(stage, stage.used),
                 error_words(stage, trial.error),
-                error_words(stage, stage.asked),
+                asked[stage.name],
                 time_words(trial.time_s),
                 f"{fixed(100.0 * trial.time_s / whole, 0)} %",
             ),
@@ -103,9 +84,9 @@ def bench_answer(stages: Sequence[BenchStage], name: str, then: str) -> Answer:
         tuple(rows),
         tuple(
             Fault(
-                f"{stage.name}: no {stage.varied} tried is within {error_words(stage, stage.asked)}; the finest has "
+                f"{stage.name}: no {stage.varied} tried is within {asked[stage.name]}; the finest has "
                 f"{error_words(stage, stage.trials[-1].error)}",
-                ("a greater output.chord_tolerance_mm",) if stage.key else (),
+                ("a greater output.chord_tolerance_mm",) if stage.asked_by else (),
             )
             for stage, trial in recommended
             if trial is None

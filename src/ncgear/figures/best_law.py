@@ -52,11 +52,11 @@ def unit_of_goal(best: BestLaw) -> str:
     goal = best.wishes.goal
     if goal in NO_UNITS:
         return NO_UNITS[goal]
-    (key,) = _named({key: price for key, price in vars(ALONE[goal]).items() if price}, best)
+    (key,) = in_units_of({key: price for key, price in vars(ALONE[goal]).items() if price}, best)
     return label_and_unit(key)[1]
 
 
-def _named(values: dict[str, Any], beside: SoughtMachine) -> dict[str, Any]:
+def in_units_of(values: dict[str, Any], beside: SoughtMachine) -> dict[str, Any]:
     """Plain values with keys that end in the units of the output; in the code keys end in the units of a slider."""
     if not beside.task.linkage.OUTPUT.angular:
         return values
@@ -114,12 +114,12 @@ def certificate(best: BestLaw) -> dict[str, Any]:
         "limits_not_reached": sorted(limits_not_reached(best)),
         "wishes": best.asked.model_dump(mode="json") if best.design.optimize else {},
         "frontier": [
-            _named({"power_cap_w": power, "limit_acceleration_mm_s2": acceleration}, best)
+            in_units_of({"power_cap_w": power, "limit_acceleration_mm_s2": acceleration}, best)
             for power, acceleration in best.limit_points
         ],
-        "law": _named(figures_summary(best.figures), best),
-        "design_as_given": None if given is None else _named(figures_summary(given), best),
-        "uniform_crank": _named(figures_summary(best.uniform_figures), best),
+        "law": summary_of(best.figures, best),
+        "design_as_given": given and summary_of(given, best),
+        "uniform_crank": summary_of(best.uniform_figures, best),
         "made_by": {"ncgear": __version__, "python": platform.python_version()},
     }
 
@@ -153,6 +153,11 @@ def figures_summary(found: Figures) -> dict[str, Any]:
     """Figures as plain values, angles in degrees beside radians; those that are not known are left out."""
     known = {name: value for name, value in asdict(found).items() if value is not None}
     return {**known, "working_deg": degrees(found.working_rad), "tangent_deg": degrees(found.tangent_rad)}
+
+
+def summary_of(found: Figures, beside: SoughtMachine) -> dict[str, Any]:
+    """The same in the units of the machine's output."""
+    return in_units_of(figures_summary(found), beside)
 
 
 ALIKE = 1e-6
@@ -235,7 +240,7 @@ def frontier_csv(found: Frontier, beside: SoughtMachine) -> str:
         }
         for point, family in points_of(found)
     ]
-    return rows_text(tuple(_named(rows[0], beside)), (list(row.values()) for row in rows))
+    return rows_text(tuple(in_units_of(rows[0], beside)), (list(row.values()) for row in rows))
 
 
 def points_of(found: Frontier) -> list[tuple[LawPoint, FamilyPoint]]:
@@ -252,11 +257,11 @@ def frontier_figures(found: Frontier, beside: SoughtMachine) -> dict[str, Any]:
         "masses": None if beside.task.masses is None else asdict(beside.task.masses),
         "argument_of_limit": ARGUMENT,
         "points": [
-            _named(
+            in_units_of(
                 {
                     "power_cap_w": point.cap_w,
                     "limit_acceleration_mm_s2": point.limit_mm_s2,
-                    "law": _named(figures_summary(point.law), beside),
+                    "law": summary_of(point.law, beside),
                     "gap": None if beside.soft else point.law.peak_acceleration_mm_s2 / point.limit_mm_s2 - 1.0,
                     "family_power_w": family.peak_power_w,
                     "family_acceleration_mm_s2": family.peak_acceleration_mm_s2,
@@ -266,7 +271,7 @@ def frontier_figures(found: Frontier, beside: SoughtMachine) -> dict[str, Any]:
             )
             for point, family in points_of(found)
         ],
-        "mechanisms": [_named(vars(mechanism), beside) for mechanism in other_mechanisms(beside)],
+        "mechanisms": [in_units_of(vars(mechanism), beside) for mechanism in other_mechanisms(beside)],
     }
 
 

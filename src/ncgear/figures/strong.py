@@ -51,10 +51,10 @@ def load_words(drive: Drive, strength: Strength) -> str:
 
 
 METHODS = {
-    "estimate": "local estimate on the outline of each tooth, after ISO 6336 and VDI 2736, which cover circular gears",
-    "elements": "plane finite elements on the outline of each tooth; a local estimate for what the material endures",
+    "estimate": "local estimate after ISO 6336 and VDI 2736, which cover circular gears, on the outline of each tooth",
+    "elements": "plane finite elements, on the outline of each tooth; a local estimate for what the material endures",
 }
-"""The words for a method, and how far the standards cover it."""
+"""The words for a method, the name of it before the first comma, and how far the standards cover it."""
 
 ERRORS = {
     "estimate": "finite elements find 0.9 to 1 times these root stresses on regular teeth, 0.7 to 1.3 times on "

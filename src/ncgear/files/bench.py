@@ -28,11 +28,11 @@ def stage_png(stage: BenchStage, name: str) -> bytes:
     errors = [max(trial.error, LEAST) for trial in stage.trials]
     axes.plot(times, errors, color=canvas.DRIVING, linewidth=1.4, marker="o", markersize=5, label="tried")
     axes.axhline(
-        stage.asked,
+        stage.asked_error,
         color=canvas.REFERENCE,
         linewidth=1.1,
         linestyle="--",
-        label=f"asked: {error_words(stage, stage.asked)}",
+        label=f"asked: {error_words(stage, stage.asked_error)}",
     )
     if best := stage.recommended:
         axes.plot(
@@ -49,7 +49,7 @@ def stage_png(stage: BenchStage, name: str) -> bytes:
     axes.set_yscale("log")
     canvas.plain_log(axes.xaxis, (1.0, 2.0, 5.0))
     axes.set_xlim(min(times) / ROOM, max(times) * ROOM)
-    axes.set_ylim(min(*errors, stage.asked) / ROOM, max(*errors, stage.asked) * ROOM)
+    axes.set_ylim(min(*errors, stage.asked_error) / ROOM, max(*errors, stage.asked_error) * ROOM)
     for time, error, trial in zip(times, errors, stage.trials, strict=True):
         axes.annotate(
             setting_words(stage, trial.setting),
@@ -59,7 +59,7 @@ def stage_png(stage: BenchStage, name: str) -> bytes:
             size=canvas.SMALL,
             color=canvas.INK,
         )
-    unit = f" in {stage.unit}" if stage.unit == "mm" else f", share {stage.unit}"
+    unit = f" in {stage.error_unit}" if stage.error_unit == "mm" else f", share {stage.error_unit}"
     canvas.dress(axes, "time in ms", f"error of the {stage.name}{unit}")
     canvas.legend_above(axes)
     return canvas.png(made)

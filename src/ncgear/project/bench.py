@@ -65,20 +65,20 @@ class TimedStage:
 class BenchStage:
     """One stage at several settings, from coarse to fine.
 
-    ``varied`` names the setting; ``error_of`` and ``unit`` name the error, ``reference`` the reference value.
-    ``asked`` is the error that the file asks for, ``key`` its key or empty, and ``used`` the setting of a build.
+    ``varied`` names the setting; ``error_of`` and ``error_unit`` name the error, ``reference`` the reference value.
+    ``asked_error`` is the error that the file asks for, ``asked_by`` its key or None, ``used`` the setting of a build.
     """
 
-    name: str
     varied: str
-    varied_unit: str
     error_of: str
-    unit: str
     reference: str
-    asked: float
-    key: str
+    asked_error: float
     used: float
     trials: tuple[TimedStage, ...]
+    varied_unit: str = ""
+    error_unit: str = "mm"
+    asked_by: str | None = "output.chord_tolerance_mm"
+    name: str = ""
 
     @property
     def recommended(self) -> TimedStage | None:
@@ -88,7 +88,7 @@ class BenchStage:
         """
         found = None
         for trial in reversed(self.trials):
-            if trial.error > self.asked:
+            if trial.error > self.asked_error:
                 break
             found = trial
         return found
@@ -189,16 +189,14 @@ def _motion(drive: Drive) -> BenchStage:
 
     trials = _tried([125.0, 250.0, 500.0, 1000.0, 2000.0], _twice, compute, judge, PEAK_SHARE)
     return BenchStage(
-        "motion",
         "rows a cycle",
-        "",
         "peak acceleration among the rows",
-        "of the peak",
         "the exact peak, from zeros of the derivative in closed form",
         PEAK_SHARE,
-        "",
         2000.0,
         trials,
+        error_unit="of the peak",
+        asked_by=None,
     )
 
 
@@ -215,18 +213,8 @@ def _pitch_curves(drive: Drive) -> BenchStage:
         return max(length - found[0], np.finfo(float).eps * length), found[1]
 
     trials = _tried([50.0, 100.0, 200.0, 400.0, 800.0], _twice, compute, judge, asked)
-    return BenchStage(
-        "pitch curves",
-        "points",
-        "",
-        "length of the driving pitch curve by chords",
-        "mm",
-        "the length by Gauss-Legendre quadrature, piece by piece",
-        asked,
-        "output.chord_tolerance_mm",
-        720.0,
-        trials,
-    )
+    reference = "the length by Gauss-Legendre quadrature, piece by piece"
+    return BenchStage("points", "length of the driving pitch curve by chords", reference, asked, 720.0, trials)
 
 
 def _tolerances(drive: Drive) -> list[float]:
@@ -247,16 +235,13 @@ def _teeth(drive: Drive) -> BenchStage:
 
     least_mm = LEAST_IN_MODULES * drive.pitch.size.module_mm
     return BenchStage(
-        "teeth",
         "tolerance",
-        "mm",
         "farthest exact point from both outlines",
-        "mm",
         "points of the exact flanks, fillets and lands, beside all places that chords go by",
         asked,
-        "output.chord_tolerance_mm",
         asked,
         _tried(_tolerances(drive), lambda mm: mm / 2.0 if mm / 2.0 >= least_mm else None, drive.toothed, judge, asked),
+        "mm",
     )
 
 
@@ -289,14 +274,10 @@ def _contact(drive: Drive) -> BenchStage:
         return 2.0 * per_tooth if 2.0 * per_tooth <= MOST_PER_TOOTH else None
 
     return BenchStage(
-        "contact",
         "positions a tooth",
-        "",
         "transmission error and least play of the outlines among the positions, at the largest driven pitch radius",
-        "mm",
         "the extremes searched between positions",
         asked,
-        "output.chord_tolerance_mm",
         placed(pitch).per_tooth,
         _tried(list(PER_TOOTH), finer, compute, judge, asked),
     )
@@ -334,16 +315,13 @@ def _solids(drive: Drive) -> BenchStage:
         return max(*missed, *away), sum(len(found.of(gear).mesh.faces) for gear in Gear)
 
     return BenchStage(
-        "solids",
         "tolerance",
-        "mm",
         "section halfway up, and volume as the mean distance of the tooth faces",
-        "mm",
         f"points of the exact curves, and meshes of a tolerance of {reference_mm:g} mm",
         asked,
-        "output.chord_tolerance_mm",
         asked,
         _tried(_tolerances(drive), lambda _: None, lambda mm: compute(mm, teeth[mm]), judge, asked),
+        "mm",
     )
 
 
@@ -385,16 +363,14 @@ def _elements(drive: Drive) -> BenchStage:
         return parts + 1.0 if parts + 1.0 < REFERENCE_PARTS else None
 
     return BenchStage(
-        "elements",
         "parts a side",
-        "",
         "largest root stress of each tooth of the driving gear",
-        "of the stress",
         f"{REFERENCE_PARTS} parts of each side",
         STRESS_SHARE,
-        "",
         3.0,
         _tried(list(PARTS), finer, compute, judge, STRESS_SHARE),
+        error_unit="of the stress",
+        asked_by=None,
     )
 
 

@@ -194,7 +194,7 @@ class _Making:
                     return Accepted.YES
                 if rows:
                     self.why = tuple(
-                        f"{row.kind}: {advice.brief}" for row in rows for advice in row.advices if advice.matters
+                        f"{row.kind}: {advice.what}" for row in rows for advice in row.advices if advice.matters
                     )
                     if taken and rows[0].kind in WEAK:
                         raise _Weakened(drive, taken)

@@ -240,7 +240,7 @@ def judged_machine(text: str, process: Process, choices: Choices) -> WholeMachin
     drive = Drive(loaded.design, loaded=loaded)
     try:
         rows = broken(judged(drive, KnownParts.TEETH, seconds=0.0), process)
-        wrong = [f"{row.kind}: {advice.brief}" for row in rows for advice in row.advices]
+        wrong = [f"{row.kind}: {advice.what}" for row in rows for advice in row.advices]
         if wrong:
             weak = any(row.kind in WEAK for row in rows)
             return Unfit(tuple(wrong), _wider(drive) if weak else None, ask_for_more_teeth(rows))

@@ -49,8 +49,8 @@ from ncgear.figures.best_law import figures_summary
 from ncgear.figures.data_sheet.measured_tables import cut_table
 from ncgear.figures.mended import found_words, tried_words
 from ncgear.figures.numbers import shown, to_digits
-from ncgear.figures.quantities import figure, name_of
-from ncgear.figures.strong import METHODS, life_words
+from ncgear.figures.strong import HEADS as WEAKEST
+from ncgear.figures.strong import METHODS, weakest_cells
 from ncgear.figures.summary.check_summary import comparison_rows, comparison_tables
 from ncgear.figures.tables import Column, Table, columns_of
 from ncgear.kinematics.check import KinematicCheck, peak_figures
@@ -75,8 +75,6 @@ from ncgear.whole_machines.told import HEADS, machines_answer
 
 ANY_SAFETY = WantedSafety(0.0, 0.0)
 """A strength knows no wanted safety; with this no tooth is too weak."""
-
-STRENGTH_COLUMNS = columns_of("gear", "material", "damage", "weakest tooth", "stress, MPa", "safety", "life")
 
 
 def html(value: object) -> str:
@@ -146,22 +144,14 @@ def _law(law: Law) -> Iterator[Markup]:
 
 @_pieces.register
 def _transmission(law: Transmission) -> Iterator[Markup]:
-    low, high = law.ratio_range
-    lobes = law.lobes
-    yield facts(
-        [
-            ("ratio i\u2081\u2082", f"{to_digits(low.value, 4)} to {to_digits(high.value, 4)}"),
-            ("lobes", f"{lobes.driving} : {lobes.driven}"),
-            ("pieces", str(len(law.pieces))),
-        ]
-    )
+    (low, high), lobes = law.ratio_range, f"{law.lobes.driving} : {law.lobes.driven}"
+    yield figures({"ratio_min": low.value, "ratio_max": high.value, "lobes": lobes, "pieces": len(law.pieces)})
     yield charts([PageChart("ratio", ratio_chart(law, law.cycle_rad))])
 
 
 @_pieces.register
 def _machine(machine: Machine) -> Iterator[Markup]:
-    speed = machine.speed_rad_s / RAD_S_PER_RPM
-    yield facts([("mechanism", _mechanism(machine.linkage)), ("speed", f"{shown(speed)} r/min")])
+    yield figures({"mechanism": _mechanism(machine.linkage), "speed_rpm": machine.speed_rad_s / RAD_S_PER_RPM})
     yield from _motion(machine.motion(sample_angles(machine.transmission)))
 
 
@@ -175,22 +165,14 @@ def _motion(motion: OutputMotion) -> Iterator[Markup]:
 
 @_pieces.register
 def _check(check: KinematicCheck) -> Iterator[Markup]:
-    yield facts([("speed", f"{shown(check.speed_rpm)} r/min")])
-    yield figures(peak_figures(check))
+    yield figures({"speed_rpm": check.speed_rpm} | peak_figures(check))
 
 
 @_pieces.register
 def _pitch(pitch: PitchPair) -> Iterator[Markup]:
-    size = pitch.size
-    radii = [(f"radius, {gear.value}", "{} to {} mm".format(*map(shown, pitch.radius_range_mm(gear)))) for gear in Gear]
-    yield facts(
-        [
-            (name_of("center_distance_mm"), figure("center_distance_mm", size.center_distance_mm)),
-            ("teeth", f"{size.driving_teeth} : {size.driven_teeth}"),
-            ("module", f"{shown(size.module_mm)} mm"),
-            *radii,
-        ]
-    )
+    size, radii = pitch.size, {f"radius_{gear.value}_mm": [pitch.radius_range_mm(gear)] for gear in Gear}
+    teeth = f"{size.driving_teeth} : {size.driven_teeth}"
+    yield figures({"center_distance_mm": size.center_distance_mm, "teeth": teeth, "module_mm": size.module_mm} | radii)
     yield picture(pitch_outlines(pitch), "both pitch curves")
 
 
@@ -203,8 +185,7 @@ def _teeth(teeth: ToothedPair) -> Iterator[Markup]:
 
 @_pieces.register
 def _gear(gear: ToothedGear) -> Iterator[Markup]:
-    undercut = shown(gear.undercut)
-    yield facts([("teeth", str(gear.teeth)), ("undercut", undercut), ("points", str(len(gear.outline_mm)))])
+    yield figures({"teeth": gear.teeth, "undercut": gear.undercut, "points": len(gear.outline_mm)})
     yield picture([tooth_outline(gear)], "a gear")
 
 
@@ -217,9 +198,9 @@ def _contact(contact: AsDesigned) -> Iterator[Markup]:
             "transmission_error_rad": contact.pushing.transmission_error_rad,
             "backlash_max_rad": float(contact.backlash_rad.max()),
             "penetration_max_mm": float(contact.overlap_mm.max()),
+            "positions": contact.placement.count,
         }
     )
-    yield facts([("error and greatest values", f"at {contact.placement.count} positions")])
     drawn = teeth_charts.pressure_angle(contact), teeth_charts.sliding(contact), teeth_charts.backlash(contact)
     yield charts(PageChart(chart.name.replace(" ", "-"), chart) for chart in drawn)
 
@@ -241,19 +222,11 @@ def _solid(solid: GearSolid, gear: Gear = Gear.DRIVING) -> Iterator[Markup]:
 @_pieces.register
 def _strength(strength: Strength) -> Iterator[Markup]:
     found = weakest_teeth(strength, dict.fromkeys(Gear, ANY_SAFETY))
-    rows = tuple(
-        (
-            one.gear.value,
-            strength.of(one.gear).material.name,
-            one.damage.value,
-            str(one.tooth),
-            shown(one.stress_mpa),
-            shown(one.safety),
-            life_words(one.life_h, strength.wears),
-        )
-        for one in found
-    )
-    yield table(Table("The weakest teeth", STRENGTH_COLUMNS, rows, (METHODS[strength.method],)))
+    heads = {place: head for place, head in enumerate(WEAKEST) if head.label != "wanted"}
+    cells = [weakest_cells(one, strength.wears) for one in found]
+    made_of = (f"{gear.value} gear of {strength.of(gear).material.name}" for gear in Gear)
+    rows = tuple(tuple(one[place] for place in heads) for one in cells)
+    yield table(Table("The weakest teeth", tuple(heads.values()), rows, (METHODS[strength.method], *made_of)))
     drawn = teeth_charts.strength_charts(strength, found)
     yield charts(PageChart(chart.name.replace(" ", "-"), chart) for chart in drawn)
 

@@ -86,7 +86,7 @@ def _of_simulated(drive: Drive) -> Iterator[Advice]:
     from ncgear.project.motor import OFF_SPEED, fitting_simulated, steady_rad_s, told_words
 
     if (stall := drive.motor_stall) is not None:
-        yield replace(_advice(str(stall), told_words(fitting_simulated(drive)), Kind.MOTOR), brief=stall.brief)
+        yield replace(_advice(stall.brief, told_words(fitting_simulated(drive)), Kind.MOTOR), meaning=stall.there)
         return
     try:
         runs = steady_rad_s(drive)
@@ -108,7 +108,7 @@ def _rpm(speed_rad_s: float) -> str:
 
 
 def _advice(what: str, helps: str = "", kind: Kind = Kind.DRIVETRAIN) -> Advice:
-    return Advice(kind, what, "", (Remedy(helps),) if helps else (), brief=what)
+    return Advice(kind, what, remedies=(Remedy(helps),) if helps else ())
 
 
 def _of_crank(drive: Drive) -> Iterator[Advice]:

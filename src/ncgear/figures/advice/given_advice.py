@@ -215,8 +215,7 @@ def _idle(names: list[str], why: str, helps: str) -> Advice:
 
 
 def _advice(what: str, meaning: str, helps: str = "", *, matters: bool = True) -> Advice:
-    remedies = (Remedy(helps),) if helps else ()
-    return Advice(Kind.WITHOUT_EFFECT, what, meaning, remedies, matters, brief=what)
+    return Advice(Kind.WITHOUT_EFFECT, what, meaning, (Remedy(helps),) if helps else (), matters)
 
 
 def _stroke(drive: Drive) -> str:

@@ -47,12 +47,10 @@ def ratio_range(drive: Drive) -> Advice | None:
     best = optimised(drive, ratio_min=1.0 / WIDEST_RATIO, ratio_max=WIDEST_RATIO)
     return Advice(
         Kind.RATIO_RANGE,
-        f"the ratio runs from {to_digits(low.value, 3)} (at {placed(degrees(low.at))} deg) to "
-        f"{to_digits(high.value, 3)} (at {placed(degrees(high.at))} deg)",
-        f"beyond 1:{WIDEST_RATIO:g} one gear has almost no radius where the other is large: few teeth carry there, and "
-        "the shaft of the small side is thin",
+        f"the ratio runs from {to_digits(low.value, 3)} to {to_digits(high.value, 3)}, beyond 1:{WIDEST_RATIO:g}",
+        f"at {placed(degrees(low.at))} and {placed(degrees(high.at))} deg one gear has almost no radius where the "
+        "other is large: few teeth carry there, and the shaft of the small side is thin",
         (*narrower, *tempered(drive, _too_wide), *best),
-        brief=f"the ratio runs from {to_digits(low.value, 3)} to {to_digits(high.value, 3)}, beyond 1:{WIDEST_RATIO:g}",
     )
 
 
@@ -76,10 +74,9 @@ def speeds(drive: Drive) -> Advice | None:
     held = " and ".join(named) or f"velocities are {to_digits(share, 3)} times as large"
     return Advice(
         Kind.SPEEDS,
-        f"the law's velocities hold at {to_digits(law, 5)} r/min, and the machine runs at {operating:g} r/min",
-        f"there {held}",
+        f"at {operating:g} r/min {held}",
+        f"the law's velocities hold at {to_digits(law, 5)} r/min",
         matters=False,
-        brief=f"at {operating:g} r/min {held}",
     )
 
 
@@ -101,11 +98,10 @@ def negative_resistance(drive: Drive, returning: bool) -> Advice | None:
     )
     return Advice(
         Kind.NEGATIVE_RESISTANCE,
-        f"the resistance{way} is negative for displacements of {named} {place.text}",
-        "it is kept, so that it drives the slider" if kept else "it is taken as zero there",
+        f"the resistance{way} is negative in places and {'kept' if kept else 'taken as zero there'}",
+        f"for displacements of {named} {place.text}{', where it drives the slider' if kept else ''}",
         () if is_given(drive.design, rule) else remedies,
         matters=not is_given(drive.design, rule),
-        brief=f"the resistance{way} is negative in places and {'kept' if kept else 'taken as zero there'}",
     )
 
 
@@ -117,11 +113,10 @@ def pressure_angle(drive: Drive) -> Advice | None:
     at = degrees(drive.pitch.largest_tangent_angle_rad.at)
     return Advice(
         Kind.PRESSURE_ANGLE,
-        f"the pressure angle reaches {to_digits(angle, 3)} deg at phi1 = {placed(at)} deg",
+        f"pressure angle up to {to_digits(angle, 3)} deg (at phi1 = {placed(at)} deg): friction may lock",
         f"only {fixed(100.0 * cos(radians(angle)), 0)} % of the force between the teeth turns the driven gear there; "
-        "the rest loads the shafts, and friction may lock the pair",
+        "the rest loads the shafts",
         _less_steep(drive, angle),
-        brief=f"pressure angle up to {to_digits(angle, 3)} deg (at phi1 = {placed(at)} deg): friction may lock",
     )
 
 
@@ -144,10 +139,8 @@ def ring(drive: Drive) -> Advice | None:
         return None
     return Advice(
         Kind.RING,
-        "the driven gear is internal: no hob can cut it",
-        "wire, mill, print, or a shaper with a smaller cutter can; it is carried on its rim, or by a plate behind the "
-        "driving gear",
-        brief="the driven gear is internal and no hob cuts it: wire, mill, print or shape it",
+        "the driven gear is internal and no hob cuts it: wire, mill, print or shape it",
+        "a shaper needs a smaller cutter; the gear is carried on its rim, or by a plate behind the driving gear",
     )
 
 
@@ -172,12 +165,10 @@ def crank_pin(drive: Drive) -> list[Advice | NotJudged]:
         *(
             Advice(
                 Kind.CRANK_PIN,
-                f"the crank pin passes {drawn(round(passing[gear], 2), 'mm')} mm from the {gear.value} gear's axis, "
-                f"about which there is a {part} of {drawn(2.0 * radius, 'mm')} mm diameter",
-                f"a pin of {drawn(2.0 * pin, 'mm')} mm diameter touches it, where both are on the same side of the "
-                "gears",
+                f"a {drawn(2.0 * pin, 'mm')} mm crank pin touches the {gear.value} gear's {part}",
+                f"where both are on the same side of the gears: it passes {drawn(round(passing[gear], 2), 'mm')} mm "
+                f"from the {gear.value} gear's axis, about which the {part} is {drawn(2.0 * radius, 'mm')} mm thick",
                 (_below(drive, NO_MEETING) if gear is Gear.DRIVING else _beside_own_shaft(drive, part, radius, pin),),
-                brief=f"a {drawn(2.0 * pin, 'mm')} mm crank pin touches the {gear.value} gear's {part}",
             )
             for gear, part, radius in near
             if radius is not None and passing[gear] < radius + pin
@@ -185,11 +176,9 @@ def crank_pin(drive: Drive) -> list[Advice | NotJudged]:
         *(
             Advice(
                 Kind.CRANK_PIN,
-                f"the crank pin passes {drawn(round(one.distance_mm, 2), 'mm')} mm from the middle of the "
-                f"{one.standing.name}",
-                f"a pin of {drawn(2.0 * pin, 'mm')} mm diameter touches it",
+                f"a {drawn(2.0 * pin, 'mm')} mm crank pin touches the {one.standing.name}",
+                f"it passes {drawn(round(one.distance_mm, 2), 'mm')} mm from its middle",
                 (_thinner("crank pin", one.distance_mm - (one.standing.radius_mm or 0.0)),),
-                brief=f"a {drawn(2.0 * pin, 'mm')} mm crank pin touches the {one.standing.name}",
             )
             for one in drive.passings
             if one.part == CRANK_PIN and not one.standing.about_driving_axis
@@ -208,10 +197,8 @@ def _in_slot(drive: Drive, pin_mm: float) -> Iterator[Advice]:
         wide, thick = drawn(fit.rod_width_mm, "mm"), drawn(2.0 * pin_mm, "mm")
         yield Advice(
             Kind.CRANK_PIN,
-            f"the crank pin of {thick} mm slides in a slot of a part that is {wide} mm wide",
-            "it does not go in",
-            (Remedy(f"make that part wider than {thick} mm, or the pin thinner"),),
-            brief=f"a {thick} mm crank pin does not go into a slot of a part {wide} mm wide",
+            f"a {thick} mm crank pin does not go into a slot of a part {wide} mm wide",
+            remedies=(Remedy(f"make that part wider than {thick} mm, or the pin thinner"),),
         )
 
 
@@ -274,11 +261,10 @@ def rods(drive: Drive) -> list[Advice | NotJudged]:
         found.append(
             Advice(
                 Kind.ROD,
-                f"the {one.part} meets the {one.standing.name}: its middle passes the centre at "
-                f"{drawn(one.distance_mm, 'mm')} mm, at phi1 = {placed(at)} deg{taken}",
-                f"a {one.part}, {wide}, cannot pass there",
+                f"the {one.part} meets the {one.standing.name} at phi1 = {placed(at)} deg",
+                f"its middle passes the centre at {drawn(one.distance_mm, 'mm')} mm{taken}: a {one.part}, {wide}, "
+                "cannot pass there",
                 (_below(drive, words) if one.standing.about_driving_axis else Remedy(words),),
-                brief=f"the {one.part} meets the {one.standing.name} at phi1 = {placed(at)} deg",
             )
         )
     return found
@@ -289,12 +275,11 @@ def pin_beside_hub(drive: Drive) -> Advice | None:
     driven = drive.gears.driven
     if driven.crank_pin is None or driven.hub is None:
         return None
-    height = drawn(driven.hub.height_mm, "mm")
     return Advice(
         Kind.CRANK_PIN,
-        f"the crank pin stands beside the driven gear's hub, which is {height} mm high",
-        "at a dead centre what it moves lies over the axis: let the pin stand out above the hub or on the other face",
-        brief="the crank pin stands beside the driven gear's hub",
+        "the crank pin stands beside the driven gear's hub",
+        f"the hub is {drawn(driven.hub.height_mm, 'mm')} mm high, and at a dead centre what the pin moves lies over "
+        "the axis: let the pin stand out above the hub or on the other face",
         matters=False,
     )
 
@@ -313,18 +298,17 @@ def _dented(drive: Drive, gear: Gear) -> Advice | None:
         return None
     stretches = tuple((degrees(a), degrees(b)) for a, b in drive.pitch.concave_ranges(gear))
     named = stretches_in_words(stretches, degrees(drive.pitch.transmission.lobes.driving_period_rad))
-    what = f"the {gear.value} pitch curve is concave for phi1 in {named} deg (radius {to_digits(radius, 4)} mm)"
+    where = f"its pitch curve is concave for phi1 in {named} deg (radius {to_digits(radius, 4)} mm)"
     depth = gouged_mm(drive.pitch.of(gear), drive.rack)
     if not drive.pitch.of(gear).is_ring and depth <= HARMLESS * drive.rack.module_mm:
-        harm = f"a hob cuts {micrometres(depth)} into the flanks there, which does not matter"
-        return Advice(Kind.CONCAVE, what, harm, matters=False, brief=f"the {gear.value} gear is hardly concave")
+        harm = f"{where}; a hob cuts {micrometres(depth)} into the flanks there, which does not matter"
+        return Advice(Kind.CONCAVE, f"the {gear.value} gear is hardly concave", harm, matters=False)
     return Advice(
         Kind.CONCAVE,
-        f"{what}: no hob can cut it",
-        "wire, mill, print, or a shaper with a smaller cutter can; the mate's teeth stand close together there and "
-        "their tips may have to be shortened",
+        f"the {gear.value} gear is concave and no hob cuts it: wire, mill, print or shape it",
+        f"{where}; a shaper needs a smaller cutter, the mate's teeth stand close together there and their tips may "
+        "have to be shortened",
         _convex(drive, gear),
-        brief=f"the {gear.value} gear is concave and no hob cuts it: wire, mill, print or shape it",
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from math import atan, copysign, degrees, exp, log, pi, radians, sin
 
 from ncgear.design.keys.pitch_shapes import UNIT_MM, DxfContour, SvgContour
@@ -55,23 +56,19 @@ def transmission_angle(drive: Drive) -> Advice | None:
         return None
     at, output = degrees(driving_rad(drive.machine, crank_rad)), linkage.OUTPUT.name
     share = fixed(100.0 * sin(least_rad), 0)
-    what = f"the transmission angle falls to {to_digits(angle, 3)} deg at phi1 = {placed(at)} deg"
+    locks = "friction may lock"
+    meaning = f"only {share} % of the force on the {output} moves it there; the rest loads its guide"
     if friction:
-        what += f", under the angle of friction of {to_digits(limit, 3)} deg of drivetrain.guide_friction: {friction:g}"
-        meaning = "started there against a load, the slider jams in its guide, however hard the rod pushes it"
         locks = f"started there, the slider jams in its guide at a friction of {friction:g}"
-    else:
         meaning = (
-            f"only {share} % of the force on the {output} moves it there; the rest loads its guide, and "
-            "friction may lock the linkage"
+            f"the angle of friction of drivetrain.guide_friction is {to_digits(limit, 3)} deg: the slider jams against "
+            "a load, however hard the rod pushes it"
         )
-        locks = "friction may lock"
     return Advice(
         Kind.TRANSMISSION_ANGLE,
-        what,
+        f"transmission angle down to {to_digits(angle, 3)} deg (at phi1 = {placed(at)} deg): {locks}",
         meaning,
         tuple(_other_lengths(drive, radians(limit), end)),
-        brief=f"transmission angle down to {to_digits(angle, 3)} deg (at phi1 = {placed(at)} deg): {locks}",
     )
 
 
@@ -165,8 +162,7 @@ WITHOUT_THEM = "what is told here is the motion without them"
 
 
 def _refused(refusal: DesignError, remedies: tuple[Remedy, ...], meaning: str = WITHOUT_THEM) -> Advice:
-    what = f"a build refuses these gears: {refusal.problem}"
-    return Advice(Kind.MADE, what, meaning, remedies, brief=what)
+    return Advice(Kind.MADE, f"a build refuses these gears: {refusal.problem}", meaning, remedies)
 
 
 NAMED = 3
@@ -186,10 +182,9 @@ def missed_wishes(drive: Drive) -> Advice | None:
     more = [f"{len(missed) - NAMED} more by --verbose"] if len(missed) > NAMED else []
     return Advice(
         Kind.MISSED_WISH,
-        f"the motion misses {count}: {named}",
-        f"the {drive.linkage.OUTPUT.name} moves otherwise than is wished",
+        f"{count} missed: {', '.join([*shortly, *more])}",
+        f"the {drive.linkage.OUTPUT.name} moves otherwise than is wished: {named}",
         (Remedy("let ncgear optimize look for a law that keeps every hard wish", short="ncgear optimize"),),
-        brief=f"{count} missed: {', '.join([*shortly, *more])}",
     )
 
 
@@ -202,14 +197,12 @@ def drawing(drive: Drive) -> Iterator[Advice]:
     if isinstance(given, DxfContour) and given.drawn_in not in (None, given.unit):
         yield _of_unit(given, given.drawn_in or "", sides_mm)
     if gap_mm > JOINED * max(sides_mm):
-        yield _remark(
-            f"parts of the contour miss each other by up to {to_digits(gap_mm, 2)} mm, as its rounded numbers do",
-            "they are put together",
-        )
+        missed = f"parts of the contour miss each other by up to {to_digits(gap_mm, 2)} mm, as its rounded numbers do"
+        yield _remark(f"{missed}: they are put together")
     if doubled_mm:
-        yield _remark(f"{to_digits(doubled_mm, 3)} mm of the contour are drawn twice", "they count once")
+        yield _remark(f"{to_digits(doubled_mm, 3)} mm of the contour are drawn twice: they count once")
     if isinstance(given, SvgContour) and given.holes:
-        yield _remark(f"the contour encloses {given.holes} more of its element", "they are left out")
+        yield _remark(f"the contour encloses {given.holes} more of its element: they are left out")
 
 
 def _of_unit(given: DxfContour, drawn_in: str, sides_mm: Sequence[float]) -> Advice:
@@ -217,10 +210,9 @@ def _of_unit(given: DxfContour, drawn_in: str, sides_mm: Sequence[float]) -> Adv
         return " by ".join(to_digits(UNIT_MM[unit] / given.unit_mm * one, 3) for one in sides_mm) + " mm"
 
     return _remark(
-        f"the drawing names {drawn_in} as its unit, and motion.dxf.unit is {given.unit}",
-        f"the contour is taken as about {size(given.unit)}; in {drawn_in} it would be {size(drawn_in)}",
+        f"the drawing names {drawn_in} as its unit, and motion.dxf.unit is {given.unit}: the contour is taken as about "
+        f"{size(given.unit)}; in {drawn_in} it would be {size(drawn_in)}"
     )
 
 
-def _remark(what: str, so: str) -> Advice:
-    return Advice(Kind.DRAWING, what, so, matters=False, brief=f"{what}: {so}")
+_remark = partial(Advice, Kind.DRAWING, matters=False)

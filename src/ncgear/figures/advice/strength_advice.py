@@ -53,18 +53,18 @@ def strength(drive: Drive) -> Advice | NotJudged | None:
     weak = [one for one in rating.weakest if not one.holds]
     first = worst(weak)
     at = degrees(first.phi1_rad)
-    also = [
-        f"{one.gear.value} gear, {one.damage.words}: {to_digits(one.safety, 2)} at tooth {one.tooth}"
+    also = "".join(
+        f"; also {one.gear.value} gear, {one.damage.words}: {to_digits(one.safety, 2)} at tooth {one.tooth}"
         for one in weak
         if one is not first
-    ]
+    )
     load = LOADS["jam" if deciding_loads(drive, rating)[first.gear, first.damage] == "jam" else rating.strength.load]
     return Advice(
         Kind.STRENGTH,
-        f"the teeth do not hold {load}: tooth {first.tooth} of the {first.gear.value} gear has "
-        f"{to_digits(first.stress_mpa, 3)} MPa at phi1 = {placed(at)} deg and endures "
-        f"{to_digits(first.endured_mpa, 3)} MPa, a safety of {_under(first.safety, first.wanted)} against "
-        f"{first.damage.words} where {first.wanted:g} is wanted" + (f" (also {'; '.join(also)})" if also else ""),
+        f"the teeth do not hold: safety {_under(first.safety, first.wanted)} against {first.damage.words}, "
+        f"{first.wanted:g} wanted",
+        f"under {load} tooth {first.tooth} of the {first.gear.value} gear has {to_digits(first.stress_mpa, 3)} MPa at "
+        f"phi1 = {placed(at)} deg and endures {to_digits(first.endured_mpa, 3)} MPa{also}: "
         f"{'teeth break' if first.damage is Damage.BENDING else 'flanks pit'} before the wanted life ends; "
         "ncgear strength computes what would do",
         (
@@ -73,8 +73,6 @@ def strength(drive: Drive) -> Advice | NotJudged | None:
             *_sizes(drive, face_width_factor(rating.weakest), module_factor(rating.weakest)),
             *((HELICAL,) if may_be_helical(drive) else ()),
         ),
-        brief=f"the teeth do not hold: safety {_under(first.safety, first.wanted)} against {first.damage.words}, "
-        f"{first.wanted:g} wanted",
     )
 
 
@@ -135,14 +133,8 @@ def _roughly(drive: Drive, found: RoughStrength | None) -> Advice | NotJudged | 
     meaning = "ncgear strength computes every tooth"
     if found.unjudged:
         meaning = f"{'their life is not judged' if found.at_once else 'the teeth are not followed'}: {found.unjudged}"
-    return Advice(
-        Kind.STRENGTH,
-        f"{said} the load of {load}: roughly, the {first.gear.value} gear{stress} at phi1 = {placed(at)} deg has "
-        f"{safety}{more}",
-        meaning,
-        _rough_remedies(drive, found),
-        brief=f"{said}: {safety}",
-    )
+    where = f"roughly, under the load of {load} on the {first.gear.value} gear{stress} at phi1 = {placed(at)} deg{more}"
+    return Advice(Kind.STRENGTH, f"{said}: {safety}", f"{where}; {meaning}", _rough_remedies(drive, found))
 
 
 def _not_judged(drive: Drive, found: RoughStrength) -> NotJudged | None:
@@ -230,8 +222,8 @@ def _together(drive: Drive) -> Remedy:
     return Remedy(words, short="material, module and face width together")
 
 
-FLANK_LOADS_UNKNOWN = "the loads of the flanks are not followed"
-"""Why flanks are not judged whose strength is not computed, where no other reason is known."""
+LOADS_UNKNOWN = "the loads of the teeth are not followed"
+"""Why flanks and a mesh are not judged whose strength is not computed, where no other reason is known."""
 
 
 def flanks(drive: Drive) -> Iterator[Advice | NotJudged]:
@@ -244,7 +236,7 @@ def flanks(drive: Drive) -> Iterator[Advice | NotJudged]:
     if not isinstance(rating, Rating):
         rough = beside_refusal(drive, rating)
         if rough is not None:
-            yield NotJudged(rough.unjudged or rough.needs_teeth or FLANK_LOADS_UNKNOWN)
+            yield NotJudged(rough.unjudged or rough.needs_teeth or LOADS_UNKNOWN)
         return
     from ncgear.strength.surfaces import LEAST_SCUFFING
 
@@ -266,11 +258,10 @@ def _scuffing(film: Film, found: Surfaces, safety: float, wanted: float) -> Advi
     told = shown_below(safety, 2)
     return Advice(
         Kind.FLANKS,
-        f"the flanks scuff: contacts reach {fixed(film.hottest_c, 0)} deg C at {place_words(film.flash_k)}, and the "
-        f"oil fails at {fixed(found.scuffing_c or 0.0, 0)} deg C, a safety of {told} and {wanted:g} wanted",
-        "flanks weld and tear where they slide under load, at once",
+        f"the flanks scuff: safety {told}, {wanted:g} wanted",
+        f"contacts reach {fixed(film.hottest_c, 0)} deg C at {place_words(film.flash_k)}, and the oil fails at "
+        f"{fixed(found.scuffing_c or 0.0, 0)} deg C: flanks weld and tear where they slide under load, at once",
         (Remedy("take an oil of a higher FZG load stage", short="an oil of a higher FZG load stage"), LARGER_GEARS),
-        brief=f"the flanks scuff: safety {told}, {wanted:g} wanted",
     )
 
 
@@ -282,31 +273,24 @@ def _wear(wear: Wear, drive: Drive) -> Advice:
         cures.append(Remedy("harden the flanks", short="hardened flanks"))
     return Advice(
         Kind.FLANKS,
-        f"the flanks wear away: in {hours_words(wear.wanted_h)} tooth {deepest.tooth(gear)} of the {gear.value} gear "
-        f"loses {to_digits(deepest.value, 2)} mm, and a tenth of the module, {to_digits(wear.limit_mm, 3)} mm, after "
-        f"{hours_words(wear.life_h)}",
-        f"teeth get thin and the backlash grows by up to {to_digits(wear.play_mm, 2)} mm; wear is known to a factor of "
-        "ten at best",
-        (*cures, LARGER_GEARS),
-        brief=f"the flanks wear away: a tenth of the module in about {hours_words(wear.life_h)}, "
+        f"the flanks wear away: a tenth of the module in about {hours_words(wear.life_h)}, "
         f"{hours_words(wear.wanted_h)} wanted",
+        f"tooth {deepest.tooth(gear)} of the {gear.value} gear loses {to_digits(deepest.value, 2)} mm in the wanted "
+        f"life, and the tenth is {to_digits(wear.limit_mm, 3)} mm; teeth get thin and the backlash grows by up to "
+        f"{to_digits(wear.play_mm, 2)} mm; wear is known to a factor of ten at best",
+        (*cures, LARGER_GEARS),
     )
 
 
 def _boundary(film: Film, found: Surfaces) -> Advice:
-    least = to_digits(film.thickness.value, 2)
     return Advice(
         Kind.FLANKS,
-        f"the oil hardly parts the flanks: its film is {least} of their roughness Ra at {place_words(film.thickness)}",
-        "flanks touch and wear, as slow gears do; pitting is rated with Z_L Z_v Z_R = "
-        f"{to_digits(min(found.pitting_factor), 2)} for oil, speed and roughness, which knows nothing of micropitting",
+        f"boundary lubrication: a film of {to_digits(film.thickness.value, 2)} of the roughness",
+        f"flanks touch and wear, most at {place_words(film.thickness)}, as slow gears do; pitting is rated with Z_L "
+        f"Z_v Z_R = {to_digits(min(found.pitting_factor), 2)} for oil, speed and roughness, which knows nothing of "
+        "micropitting",
         matters=False,
-        brief=f"boundary lubrication: a film of {least} of the roughness",
     )
-
-
-LOADS_UNKNOWN = "the loads of the teeth are not followed"
-"""Why a mesh is not judged whose strength is not computed, where no other reason is known."""
 
 
 def vibration(drive: Drive) -> Iterator[Advice | NotJudged]:
@@ -335,13 +319,13 @@ def _resonance(drive: Drive, told: ToldVibration | None) -> Iterator[Advice]:
     where, factor = stretches_words(told), to_digits(told.dynamic_factor, 2)
     yield Advice(
         Kind.VIBRATION,
-        f"the mesh resonates ({BAND}) {where} at {speed}: K_V is {factor} at the largest load",
-        "teeth part and hammer, and gears howl; K_V is least sure there, and is for gears that stay in the resonance",
+        f"the mesh resonates ({BAND}) {where} at {speed}",
+        f"teeth part and hammer, and gears howl; K_V, {factor} at the largest load, is least sure there, and is for "
+        "gears that stay in the resonance",
         (
             Remedy(
                 f"run under {shown_below(low, 2)} r/min or over {shown_above(high, 2)} r/min", short="another speed"
             ),
             Remedy("take lighter gears, or fewer and larger teeth, which pass more slowly", short="fewer teeth"),
         ),
-        brief=f"the mesh resonates ({BAND}) {where} at {speed}",
     )

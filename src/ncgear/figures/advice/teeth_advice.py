@@ -74,20 +74,20 @@ def undercut(drive: Drive) -> Advice | None:
     if not allowed:
         tips = f" ({_named(shorter)})" if shorter else ""
         meaning = f"the mating tips are shortened instead{tips}, so that all flanks are exact; the contact is shorter"
-    what = f"undercut{'' if allowed else ' at full height'}: {_named(found)}"
-    brief = f"{_counted(found)} {'are' if allowed else 'would be'} undercut"
-    told = _judged(drive, Advice(Kind.UNDERCUT, what, meaning, brief=brief), found if allowed else shorter)
+    what = f"{_counted(found)} {'are' if allowed else 'would be'} undercut"
+    named = f"{'' if allowed else 'at full height '}{_named(found)}"
+    told = _judged(drive, Advice(Kind.UNDERCUT, what, meaning), named, found if allowed else shorter)
     return replace(told, remedies=_ways_out_of_undercut(drive)) if told.matters else told
 
 
-def _judged(drive: Drive, told: Advice, shorter: list[DamagedTeeth]) -> Advice:
-    """What is told of teeth whose contact is shorter, as a remark where that costs hardly any contact."""
+def _judged(drive: Drive, told: Advice, named: str, shorter: list[DamagedTeeth]) -> Advice:
+    """What is told of named teeth whose contact is shorter, as a remark where that costs hardly any contact."""
     cost = sum(one.loss.contact_pitches for one in shorter)
     if cost >= NEGLIGIBLE * drive.designed_contact.contact_ratio:
-        return told
+        return replace(told, meaning=f"{named}; {told.meaning}")
     share = to_digits(100.0 * NEGLIGIBLE, 2)
     lost = f"at most {to_digits(cost, 2)} pitches of contact, less than {share} % of the contact ratio"
-    meaning = f"it costs {lost if cost else 'no contact'} and does not matter"
+    meaning = f"{named}; it costs {lost if cost else 'no contact'} and does not matter"
     return replace(told, meaning=meaning, remedies=(), matters=False)
 
 
@@ -112,11 +112,10 @@ def pointed(drive: Drive) -> Advice | None:
     if not found:
         return None
     least = drive.gears.least_tip_land
-    what = f"shortened tips: at full height their lands would be under {least:g} modules wide; {_named(found)}"
+    what = f"the tips of {_counted(found)} are shortened: their lands would be under {least:g} modules wide"
     meaning = "a sharp tip chips when hardened and wears fast, so it ends lower; the contact is shorter for it"
-    brief = f"the tips of {_counted(found)} are shortened: their lands would be under {least:g} modules wide"
     lower = (Remedy("make all teeth so low", changed(blunt)),) if (blunt := blunt_addendum(drive)) else ()
-    return _judged(drive, Advice(Kind.POINTED, what, meaning, (*lower, FINER), brief=brief), found)
+    return _judged(drive, Advice(Kind.POINTED, what, meaning, (*lower, FINER)), _named(found), found)
 
 
 def shortened(drive: Drive) -> list[Advice]:
@@ -125,11 +124,11 @@ def shortened(drive: Drive) -> list[Advice]:
     for reason, words in MEANINGS.items():
         found = _found(drive, partial(_lowered, reason=reason), shortening)
         if found:
-            what = f"shortened tips: at full height {words}; {_named(found)}"
-            brief = f"the tips of {_counted(found)} are shortened: {words.partition(',')[0]}"
+            short, _, since = words.partition(", ")
+            what, meaning = f"the tips of {_counted(found)} are shortened: {short}", "their contact is shorter"
             ways_out = (FLATTER if reason is Limit.HELIX else FINER,)
-            told = Advice(Kind.SHORTENED, what, "the contact of these teeth is shorter", ways_out, brief=brief)
-            advices.append(_judged(drive, told, found))
+            named = f"{since}: {_named(found)}" if since else _named(found)
+            advices.append(_judged(drive, Advice(Kind.SHORTENED, what, meaning, ways_out), named, found))
     return advices
 
 
@@ -176,13 +175,11 @@ def contact_ratio(drive: Drive) -> Advice | None:
     helical = (Remedy(words, changed(helix)),) if helix else ()
     return Advice(
         Kind.CONTACT_RATIO,
-        f"contact ratio: the shortest contact of a flank pair lasts "
-        f"{to_digits(min(side.pairs.least_arc for side in sides), 3)} pitches, "
-        f"and at some positions, as at phi1 = {', '.join(places)} deg, no flanks touch",
-        f"the driven gear is carried by an edge there, off the law by up to {to_digits(1e6 * error, 2)} {MICRORAD}; it "
-        "knocks and wears",
+        f"at some positions no flanks touch, off the law by {to_digits(1e6 * error, 2)} {MICRORAD}",
+        f"so at phi1 = {', '.join(places)} deg, since the shortest contact of a flank pair lasts "
+        f"{to_digits(min(side.pairs.least_arc for side in sides), 3)} pitches; the driven gear is carried by an edge "
+        "there, and it knocks and wears",
         (*helical, FINER),
-        brief=f"at some positions no flanks touch, off the law by {to_digits(1e6 * error, 2)} {MICRORAD}",
     )
 
 
@@ -193,8 +190,7 @@ def parted_in_time(partings: int, apart_s: float, whole_s: float) -> Advice:
     what = f"in time the pushing flanks part {times}, {to_digits(apart_s, 3)} s of {whole} in all"
     if not partings:
         what = f"in time the pushing flanks never part within {whole}"
-    knocks = "they knock when they meet again" if partings else ""
-    return Advice(Kind.CONTACT_RATIO, what, knocks, matters=False, brief=what)
+    return Advice(Kind.CONTACT_RATIO, what, "they knock when they meet again" if partings else "", matters=False)
 
 
 def idle_flanks(drive: Drive) -> Advice | None:
@@ -205,11 +201,9 @@ def idle_flanks(drive: Drive) -> Advice | None:
         return None
     return Advice(
         Kind.IDLE_FLANKS,
-        f"idle flanks: {short or 'at some positions none touch'}",
-        "nothing while the driving gear pushes; where masses or a weight turn the torque round, the teeth knock there; "
-        "drives: both_ways refuses such teeth",
+        "idle flanks part; they knock where masses or a weight turn the torque round",
+        f"{short or 'at some positions none touch'}; drives: both_ways refuses such teeth",
         (FINER,),
-        brief="idle flanks part; they knock where masses or a weight turn the torque round",
     )
 
 
@@ -227,11 +221,10 @@ def thrust(drive: Drive) -> Advice | None:
     towards, away = ("growing", "falling") if helix.hand == "right" else ("falling", "growing")
     return Advice(
         Kind.THRUST,
-        f"axial thrust: {to_digits(helix.thrust_share, 3)} of the tangential force at the pitch point pushes the "
-        f"driving gear towards {towards} z and the driven one towards {away} z",
-        "the bearings of both shafts must take it",
+        f"an axial thrust of {to_digits(helix.thrust_share, 3)} of the tangential force loads both shafts",
+        f"at the pitch point it pushes the driving gear towards {towards} z and the driven one towards {away} z; the "
+        "bearings of both shafts must take it",
         (Remedy("herringbone teeth cancel it", (Change("gears.helix.kind", "herringbone"),)),),
-        brief=f"an axial thrust of {to_digits(helix.thrust_share, 3)} of the tangential force loads both shafts",
     )
 
 
@@ -243,7 +236,7 @@ def room(drive: Drive) -> list[Advice]:
     meeting = (one for one in drive.whole.row_room if one.least_distance_mm <= 0.0)
     names = ((f"{one.first} and {one.second}".replace("_", " "), placed(degrees(one.at_rad))) for one in meeting)
     what = [f"{gears} meet at phi1 = {place} deg" for gears, place in names]
-    return [Advice(Kind.ROOM, said, "the row cannot turn past there", (SPREAD,), brief=said) for said in what]
+    return [Advice(Kind.ROOM, said, "the row cannot turn past there", (SPREAD,)) for said in what]
 
 
 NEARLY_ALL = 0.995
@@ -275,16 +268,11 @@ def jams(drive: Drive) -> Advice | NotJudged | None:
         has += ", the teeth are the thickest that the file allows"
     return Advice(
         Kind.JAMS,
-        f"{share} assemblies jam: {has}, and with {', '.join(limit_words(found.tolerances))} "
-        f"({_made(found)}) it takes {found.enough:g} {unit} for 99.9 % to turn",
-        "both flanks of a tooth are pressed somewhere; ncgear tolerance draws assemblies one by one",
+        f"{share} assemblies jam, {f'{found.process} as usual' if found.process else 'made as tolerances says'}",
+        f"{has}, and with {', '.join(limit_words(found.tolerances))} it takes {found.enough:g} {unit} for 99.9 % to "
+        "turn: both flanks of a tooth are pressed somewhere; ncgear tolerance draws assemblies one by one",
         _ways_out(found),
-        brief=f"{share} assemblies jam, {_made(found)}",
     )
-
-
-def _made(found: Jamming) -> str:
-    return "made as tolerances says" if found.process is None else f"{found.process} as usual"
 
 
 def _ways_out(found: Jamming) -> tuple[Remedy, ...]:
@@ -311,4 +299,4 @@ def index_holes(drive: Drive) -> Advice | NotJudged | None:
     room = [Remedy("make room for it", changed({key: one[key] for one in found for key in one}))] if all(found) else []
     without = Remedy("do without, and mark a tooth and its space by hand", (Change("gears.index_holes", value=False),))
     meaning = "nothing on them shows which teeth go together"
-    return Advice(Kind.INDEX_HOLES, what, meaning, (*room, without), brief=what)
+    return Advice(Kind.INDEX_HOLES, what, meaning, (*room, without))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import KW_ONLY
 from enum import StrEnum
 
 from ncgear.design.keys.design import Design
@@ -113,18 +112,16 @@ class Remedy:
 class Advice:
     """Something a designer should know before cutting metal.
 
-    ``what`` says what was found and where, with its numbers.  ``meaning`` says what that means for the machine.
-    ``remedies`` say what to change, the least costly first; they are empty where nothing is wrong.  What does
-    not matter is a remark, not a warning.  ``brief`` is what was found in a part of a line, with its chief number.
+    ``what`` says in a part of a line what was found, with its chief number.  ``meaning`` says where and what that means
+    for the machine, with all other numbers.  ``remedies`` say what to change, the least costly first; they are empty
+    where nothing is wrong.  What does not matter is a remark, not a warning.
     """
 
     kind: Kind
     what: str
-    meaning: str
+    meaning: str = ""
     remedies: tuple[Remedy, ...] = ()
     matters: bool = True
-    _: KW_ONLY
-    brief: str
 
     @property
     def line(self) -> str:

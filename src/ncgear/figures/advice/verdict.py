@@ -61,25 +61,12 @@ Judge = Callable[[Drive], Found | Iterable[Found]]
 """What finds the faults of a condition, or one; None where it is kept."""
 
 
-@dataclass(frozen=True, eq=False)
-class Condition:
-    """A condition: its name in a list, what is true where it is kept, whom it concerns, what judges it from when on.
-
-    ``roughly`` judges it where less is known; without it, such a condition is not judged then.  ``of_pair`` says that
-    it is judged of each pair of gears, else of the whole machine.
-    """
-
-    name: str
-    kept: str
-    concerns: Callable[[Drive], bool]
-    judge: Judge
-    needs: KnownParts = KnownParts.MOTION
-    roughly: Judge | None = None
-    of_pair: bool = True
-
-
 def _gears(drive: Drive) -> bool:
     return drive.design.gears is not None
+
+
+def _bears(drive: Drive) -> bool:
+    return _gears(drive) and drive.design.loads_teeth
 
 
 def _loaded(drive: Drive) -> bool:
@@ -99,171 +86,179 @@ def _room_of_pitch_curves(drive: Drive) -> Found:
         _ = drive.whole.row
     except NoSuchMechanism as refusal:
         what, _, cure = refusal.problem.partition("; ")
-        return Advice(Kind.ROOM, what, "the row cannot be built", (Remedy(cure),), brief=what)
+        return Advice(Kind.ROOM, what, "the row cannot be built", (Remedy(cure),))
     return NotJudged(ONLY_TEETH)
 
 
-def _of_teeth(kind: Kind) -> Judge:
-    """The function of ``teeth_advice`` that has the kind's name; a check does not load that module, which is slow."""
+def _always(_: Drive) -> bool:
+    return True
 
-    def judge(drive: Drive) -> Found | Iterable[Found]:
+
+@dataclass(frozen=True, eq=False)
+class Condition:
+    """A condition: its name in a list, what is true where it is kept, what judges it from when on, whom it concerns.
+
+    Without a ``judge`` it is the function of ``teeth_advice`` with the kind's name.  ``roughly`` judges it where less
+    is known; without it, such a condition is not judged then.  ``of_pair`` says that it is judged of each pair, else of
+    the whole machine.
+    """
+
+    name: str
+    kept: str
+    judge: Judge | None = None
+    needs: KnownParts = KnownParts.MOTION
+    roughly: Judge | None = None
+    concerns: Callable[[Drive], bool] = _gears
+    of_pair: bool = True
+
+    def judge_of(self, kind: Kind) -> Judge:
+        """What judges it once enough is known; a check does not load ``teeth_advice``, which is slow."""
+        if self.judge is not None:
+            return self.judge
         from ncgear.figures.advice import teeth_advice
 
-        judged: Found | Iterable[Found] = getattr(teeth_advice, kind.value)(drive)
-        return judged
-
-    return judge
+        judge: Judge = getattr(teeth_advice, kind.value)
+        return judge
 
 
 CONDITIONS: dict[Kind, Condition] = {
     Kind.MADE: Condition(
-        "making the gears", "the gears can be made", _gears, machine_advice.bodies, TEETH, machine_advice.made
+        "making the gears", "the gears can be made", machine_advice.bodies, TEETH, machine_advice.made
     ),
     Kind.STRENGTH: Condition(
-        "strength",
-        "the teeth hold their load",
-        lambda drive: _gears(drive) and drive.design.loads_teeth,
-        strength_advice.strength,
-        TEETH,
-        strength_advice.rough,
+        "strength", "the teeth hold their load", strength_advice.strength, TEETH, strength_advice.rough, _bears
     ),
     Kind.FLANKS: Condition(
-        "film and wear", "flanks neither scuff nor wear away", _loaded, strength_advice.flanks, TEETH
+        "film and wear", "flanks neither scuff nor wear away", strength_advice.flanks, TEETH, concerns=_loaded
     ),
     Kind.VIBRATION: Condition(
         "vibration",
         "the mesh resonates at no place of the turn",
-        _loaded,
         strength_advice.vibration,
         TEETH,
         strength_advice.rough_vibration,
+        _loaded,
     ),
     Kind.ROOM: Condition(
         "room",
         "gears of a row that do not mesh pass each other",
-        lambda drive: _gears(drive) and drive.gears.idlers is not None,
-        _of_teeth(Kind.ROOM),
-        TEETH,
-        _room_of_pitch_curves,
+        needs=TEETH,
+        roughly=_room_of_pitch_curves,
+        concerns=lambda drive: _gears(drive) and drive.gears.idlers is not None,
         of_pair=False,
     ),
-    Kind.JAMS: Condition("assembly", "the gears can be put together and turn", _gears, _of_teeth(Kind.JAMS), TEETH),
-    Kind.CONTACT_RATIO: Condition(
-        "contact", "flanks touch at every position", _gears, _of_teeth(Kind.CONTACT_RATIO), TEETH
-    ),
+    Kind.JAMS: Condition("assembly", "the gears can be put together and turn", needs=TEETH),
+    Kind.CONTACT_RATIO: Condition("contact", "flanks touch at every position", needs=TEETH),
     Kind.PRESSURE_ANGLE: Condition(
-        "pressure angle",
-        f"the pressure angle stays within {law_advice.STEEPEST_DEG:g} deg",
-        _gears,
-        law_advice.pressure_angle,
+        "pressure angle", f"the pressure angle stays within {law_advice.STEEPEST_DEG:g} deg", law_advice.pressure_angle
     ),
     Kind.TRANSMISSION_ANGLE: Condition(
         "transmission angle",
         f"the transmission angle stays over the angle of friction, {machine_advice.FLATTEST_DEG:g} deg unless "
         "drivetrain.guide_friction is given",
-        lambda drive: bool(drive.linkage.RODS),
         machine_advice.transmission_angle,
+        concerns=lambda drive: bool(drive.linkage.RODS),
         of_pair=False,
     ),
     Kind.CRANK_PIN: Condition(
         "crank pin",
         "the crank pin, as thick as the file says or else as the shaft of its crank, passes shafts and hubs",
-        lambda drive: _gears(drive) and drive.turns_crank and drive.linkage.RETURNS,
         lambda drive: (*law_advice.crank_pin(drive), law_advice.pin_beside_hub(drive)),
+        concerns=lambda drive: _gears(drive) and drive.turns_crank and drive.linkage.RETURNS,
     ),
     Kind.ROD: Condition(
         "rods",
         "the rods, as wide as fit.rod_width_mm says or else their centre lines, pass what stands in their plane",
-        lambda drive: _gears(drive) and drive.moves_output and bool(drive.linkage.rod_lines_mm),
         law_advice.rods,
+        concerns=lambda drive: _gears(drive) and drive.moves_output and bool(drive.linkage.rod_lines_mm),
     ),
     Kind.MOTOR: Condition(
         "motor",
         "the motor moves the machine at its speed and is not overloaded",
-        _motor,
         drivetrain_advice.motor,
         TEETH,
         drivetrain_advice.motor_without_teeth,
+        _motor,
         of_pair=False,
     ),
     Kind.DRIVETRAIN: Condition(
         "drivetrain",
         "shafts, keys, bearings and couplings hold",
-        lambda drive: drive.design.drivetrain is not None,
         drivetrain_advice.around,
         TEETH,
         lambda drive: (*drivetrain_advice.of_bores(drive), NotJudged(ONLY_TEETH)),
+        lambda drive: drive.design.drivetrain is not None,
         of_pair=False,
     ),
     Kind.MISSED_WISH: Condition(
         "wishes",
         "the motion keeps every hard wish",
-        lambda drive: bool(drive.outcomes),
         machine_advice.missed_wishes,
+        concerns=lambda drive: bool(drive.outcomes),
         of_pair=False,
     ),
     Kind.SPEEDS: Condition(
         "speed",
         "the law's velocities are told at the machine's speed",
-        lambda drive: drive.law.stroke is not None,
         law_advice.speeds,
+        concerns=lambda drive: drive.law.stroke is not None,
         of_pair=False,
     ),
     Kind.DRAWING: Condition(
         "drawing",
         "the drawing names the unit of the design, and its parts meet",
-        lambda drive: drive.design.motion.contour is not None,
         machine_advice.drawing,
+        concerns=lambda drive: drive.design.motion.contour is not None,
         of_pair=False,
     ),
     Kind.NEGATIVE_RESISTANCE: Condition(
         "resistance",
         "the resistance is nowhere negative",
-        lambda drive: drive.design.resistance is not None,
         lambda drive: [law_advice.negative_resistance(drive, returning) for returning in (False, True)],
+        concerns=lambda drive: drive.design.resistance is not None,
         of_pair=False,
     ),
     Kind.WITHOUT_EFFECT: Condition(
         "what is given",
         "what is given acts",
-        lambda _: True,
         given_advice.with_teeth,
         TEETH,
         given_advice.before_teeth,
+        _always,
         of_pair=False,
     ),
     Kind.RATIO_RANGE: Condition(
         "ratio",
         f"the ratio stays within 1:{law_advice.WIDEST_RATIO:g} and {law_advice.WIDEST_RATIO:g}:1",
-        lambda _: True,
         law_advice.ratio_range,
+        concerns=_always,
     ),
     Kind.INDEX_HOLES: Condition(
         "index holes",
         "both gears have their index hole",
-        lambda drive: _gears(drive) and drive.gears.index_holes,
-        _of_teeth(Kind.INDEX_HOLES),
-        TEETH,
+        needs=TEETH,
+        concerns=lambda drive: _gears(drive) and drive.gears.index_holes,
     ),
-    Kind.UNDERCUT: Condition("undercut", "no tooth is undercut", _gears, _of_teeth(Kind.UNDERCUT), TEETH),
-    Kind.POINTED: Condition("points", "no tip is pointed", _gears, _of_teeth(Kind.POINTED), TEETH),
-    Kind.SHORTENED: Condition("tips", "tips have their height", _gears, _of_teeth(Kind.SHORTENED), TEETH),
-    Kind.CONCAVE: Condition("hob", "no pitch curve is concave", _gears, law_advice.concave),
+    Kind.UNDERCUT: Condition("undercut", "no tooth is undercut", needs=TEETH),
+    Kind.POINTED: Condition("points", "no tip is pointed", needs=TEETH),
+    Kind.SHORTENED: Condition("tips", "tips have their height", needs=TEETH),
+    Kind.CONCAVE: Condition("hob", "no pitch curve is concave", law_advice.concave),
     Kind.RING: Condition(
-        "ring", "no gear is internal", lambda drive: _gears(drive) and drive.gears.mesh == "internal", law_advice.ring
+        "ring",
+        "no gear is internal",
+        law_advice.ring,
+        concerns=lambda drive: _gears(drive) and drive.gears.mesh == "internal",
     ),
     Kind.THRUST: Condition(
         "thrust",
         "bearings are given for the thrust, if there is any",
-        lambda drive: _gears(drive) and drive.helix is not None,
-        _of_teeth(Kind.THRUST),
+        concerns=lambda drive: _gears(drive) and drive.helix is not None,
     ),
     Kind.IDLE_FLANKS: Condition(
         "idle flanks",
         "idle flanks hold as pushing ones do",
-        lambda drive: _gears(drive) and drive.gears.drives != "both_ways",
-        _of_teeth(Kind.IDLE_FLANKS),
-        TEETH,
+        needs=TEETH,
+        concerns=lambda drive: _gears(drive) and drive.gears.drives != "both_ways",
     ),
 }
 """All conditions, the most serious first, as ``Kind`` has them."""
@@ -351,8 +346,8 @@ class Verdict:
                 "stage": row.stage,
                 "says": CONDITIONS[row.kind].kept,
                 "verdict": str(row.state),
-                "because": "; ".join(advice.brief for advice in row.advices if advice.matters) or row.why,
-                "remark": "; ".join(advice.brief for advice in row.advices if not advice.matters),
+                "because": "; ".join(advice.what for advice in row.advices if advice.matters) or row.why,
+                "remark": "; ".join(advice.what for advice in row.advices if not advice.matters),
             }
             for row in self.rows
         ]
@@ -383,7 +378,7 @@ def judged(
                 row = _judged(one, kind, condition, known)
                 if any(map(tried_advice.is_without_value, row.advices)):
                     begun = process_time()
-                    row = _tried(one, row, condition.judge, seconds)
+                    row = _tried(one, row, condition.judge_of(kind), seconds)
                     seconds -= process_time() - begun
                 told = (_as_the_file_has_it(advice, drive.design) for advice in row.advices)
                 rows.append(replace(row, advices=(*told, *also)))
@@ -396,7 +391,7 @@ NO_CURVES = "there are no such pitch curves"
 
 def _judged(drive: Drive, kind: Kind, condition: Condition, known: KnownParts) -> JudgedCondition:
     stage = drive.stage if condition.of_pair else None
-    judge = condition.judge if known >= condition.needs else condition.roughly
+    judge = condition.judge_of(kind) if known >= condition.needs else condition.roughly
     if judge is None:
         return JudgedCondition(kind, stage, (), ONLY_TEETH)
     try:

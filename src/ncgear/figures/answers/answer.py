@@ -103,7 +103,7 @@ def difference(own: float, other: float) -> str:
 def faults_of(verdict: Verdict) -> tuple[Fault, ...]:
     """What breaks conditions, the most serious first, each behind the name of its stage."""
     return tuple(
-        Fault(f"{row.of}{advice.brief}", tuple(remedy.brief for remedy in advice.remedies))
+        Fault(f"{row.of}{advice.what}", tuple(remedy.brief for remedy in advice.remedies))
         for row in verdict.rows
         for advice in row.advices
         if advice.matters

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from math import degrees
 
 from ncgear.design.keys.base import listed
 from ncgear.design.keys.design import Design
-from ncgear.figures.answers.answer import Answer, Fault, Row
+from ncgear.figures.answers.answer import Answer, Fault, Row, row
 from ncgear.figures.best_law import (
     FELT,
     felt,
+    in_units_of,
     limits_not_reached,
     not_closed,
     other_mechanisms,
     points_of,
     starts_text,
+    summary_of,
     unit_of_goal,
 )
 from ncgear.figures.numbers import finite, fixed, shown, to_digits
@@ -73,23 +75,15 @@ def _in_unit(best: BestLaw, goal: float) -> str:
 
 def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
     rack = best.wishes.limits.rack_angle_rad
-    accelerated = f"peak_acceleration_cycle_{best.task.linkage.OUTPUT.acceleration.ending}"
-    told: dict[str, Callable[[Figures], str]] = {
-        name_of("peak_power_w"): lambda one: figure("peak_power_w", one.peak_power_w),
-        name_of(accelerated): lambda one: figure(accelerated, one.peak_acceleration_mm_s2),
-        **_where_asked(best),
-        "ratio": lambda one: f"{fixed(one.ratio_min, 3)} to {fixed(one.ratio_max, 3)}",
-        name_of("max_pressure_angle_deg"): lambda one: figure(
-            "max_pressure_angle_deg", degrees(one.tangent_rad + rack)
-        ),
-        "convex": lambda one: shown(one.convex),
-    }
-    rows = [Row(name, tuple(map(text, found))) for name, text in told.items()]
-    rows += [
-        Row(name_of(key), tuple(figure(key, felt(key, one)) for one in found))
-        for key in FELT
-        if felt(key, best.figures) is not None
+    told, above = [summary_of(one, best) for one in found], f" above order {best.task.harmonics_above}"
+    rows = [
+        Row(name_of(key) + above * ("harmonics" in key), tuple(figure(key, one.get(key)) for one in told))
+        for key in in_units_of(dict.fromkeys(["peak_power_w", "peak_acceleration_mm_s2", *_asked(best)]), best)
     ]
+    rows.append(Row("ratio", tuple(f"{fixed(one.ratio_min, 3)} to {fixed(one.ratio_max, 3)}" for one in found)))
+    rows.append(row("max_pressure_angle_deg", *(degrees(one.tangent_rad + rack) for one in found)))
+    rows.append(row("convex", *(one.convex for one in found)))
+    rows += [row(key, *(felt(key, one) for one in found)) for key in FELT if felt(key, best.figures) is not None]
     said = [*_of_lengths(best), *_of_flywheel(best)]
     if best.starts.count > 1:
         said.append(("starts", starts_text(best)))
@@ -107,25 +101,18 @@ def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
     return [*rows, *(Row(name, (text,)) for name, text in said), *_without_masses(best)]
 
 
-def _where_asked(best: BestLaw) -> dict[str, Callable[[Figures], str]]:
-    """Peak speed, peak jerk, flank load, harmonics and centre distance where they are limited or have a price."""
-    wishes, limits, prices, output = best.wishes, best.wishes.limits, best.wishes.prices, best.task.linkage.OUTPUT
-    told: dict[str, Callable[[Figures], str]] = {}
+MAY_BE_ASKED = ("peak_speed_mm_s", "peak_jerk_mm_s3", "flank_load_n_mm", "center_distance_mm")
+"""Figures that are told where they are limited or have a price."""
 
-    def tell(key: str, field: str, *asked: object, name: str = "") -> None:
-        if any(one is not None and one != 0.0 for one in asked):
-            told[name or name_of(key)] = lambda one: figure(key, getattr(one, field))
 
-    tell(f"peak_speed_{output.speed.ending}", "peak_speed_mm_s", limits.peak_speed_mm_s, prices.peak_speed_mm_s)
-    tell(f"peak_jerk_{output.speed.ending}3", "peak_jerk_mm_s3", wishes.peak_jerk_mm_s3, prices.peak_jerk_mm_s3)
-    tell("flank_load_n_mm", "flank_load_n_mm", limits.flank_load_n_mm, prices.flank_load_n_mm)
-    if (above := best.task.harmonics_above) is not None:
-        heard = f"acceleration_harmonics_{output.acceleration.ending}"
-        tell(heard, "acceleration_harmonics_mm_s2", True, name=f"acceleration above order {above}")
-        if best.task.masses is not None:
-            tell("torque_harmonics_n_m", "torque_harmonics_n_m", True, name=f"torque above order {above}")
-    tell("center_distance_mm", "center_distance_mm", wishes.center_distance_mm, prices.center_distance_mm)
-    return told
+def _asked(best: BestLaw) -> list[str]:
+    """These figures as far as they are asked for, and the harmonics above the order of the file."""
+    wishes, task = best.wishes, best.task
+    groups = wishes, wishes.limits, wishes.prices
+    asked = [key for key in MAY_BE_ASKED if any(getattr(group, key, None) for group in groups)]
+    if task.harmonics_above is not None:
+        asked += ["acceleration_harmonics_mm_s2", *(["torque_harmonics_n_m"] if task.masses is not None else [])]
+    return asked
 
 
 def _of_lengths(best: BestLaw) -> Iterator[tuple[str, str]]:

@@ -116,7 +116,7 @@ def _solved(drive: Drive) -> list[Row]:
         return []
     facts = {**drive.law.stroke.facts, "law_speed_rpm": drive.law_speed_rpm}
     words, remark = str(facts["solved_for"]).replace("_", " "), speeds(drive)
-    held = "" if remark is None else f"; {remark.brief}"
+    held = "" if remark is None else f"; {remark.what}"
     found = {key: value for key, value in facts.items() if label_and_unit(key)[0] == words}
     return [Row("solved for", (f"{name_of(key)} {figure(key, value)}{held}",)) for key, value in found.items()]
 

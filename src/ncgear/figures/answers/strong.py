@@ -21,6 +21,7 @@ from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.strong import (
     DECIDING,
     HEADS,
+    METHODS,
     deciding_forces,
     deciding_words,
     face_load_words,
@@ -47,9 +48,6 @@ from ncgear.project.worn import Worn
 from ncgear.strength.holding import Damage, worst
 
 HOLD_NOT = "The teeth do not hold: these are under the wanted safety, the weakest first"
-
-METHODS = {"estimate": "local estimate after ISO 6336 and VDI 2736", "elements": "plane finite elements"}
-"""A method in a part of a line."""
 
 
 def strength_answer(
@@ -83,7 +81,7 @@ def strength_answer(
     return Answer(
         f"{design.name}: strength of the teeth at {design.operation.speed_rpm:g} r/min",
         # What was asked for stays where a screen is too small
-        (*lasting, *rows, Row("method", (METHODS[first.strength.method],)), *about),
+        (*lasting, *rows, Row("method", (METHODS[first.strength.method].partition(",")[0],)), *about),
         (*faults, *others),
         f"Load: {load_words(drive, first.strength)}",
         heads=tuple(heads),
@@ -168,7 +166,7 @@ def sized_answer(
         for told in parts_that_fail(one):
             failing.setdefault(told, []).append(f"{one.module_mm:g}")
     faults = [
-        Fault(f"module {listed(modules, 'and')} mm: {told.brief}", tuple(remedy.brief for remedy in told.remedies))
+        Fault(f"module {listed(modules, 'and')} mm: {told.what}", tuple(remedy.brief for remedy in told.remedies))
         for told, modules in failing.items()
     ]
     return Answer(

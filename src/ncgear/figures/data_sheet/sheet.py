@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from itertools import zip_longest
 from math import degrees, isclose
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from ncgear.design.keys.gears import PROFILES
 from ncgear.errors import DesignError
@@ -74,8 +74,8 @@ def data_sheet(pair: Drive) -> DataSheet:
         "Pitch curves": lambda: (pitch_table(pair.pitch),),
     }
     for number, gear in enumerate(Gear):
-        tables[f"Span of the {gear.value} gear"] = partial(_of_one, pair, number, span_table)
-        tables[f"Pins in the {gear.value} gear"] = partial(_of_one, pair, number, pin_tables)
+        for name, of in (("Span of", span_table), ("Pins in", pin_tables)):
+            tables[f"{name} the {gear.value} gear"] = partial(_of_one, pair, number, of)
     told = tuple(table for title, of in tables.items() for table in tables_or_why(title, of))
     return DataSheet(pair.title, tuple(group for group in groups if group.entries), told)
 
@@ -84,31 +84,25 @@ MISSING = (ArithmeticError, ValueError, DesignError)
 """What computations raise where they fail."""
 
 
-def _missing(error: Exception) -> str:
-    return f"could not be computed: {error}"
+Found = TypeVar("Found")
+
+
+def _or_why(computed: Callable[[], Found], said: Callable[[str], Found]) -> Found:
+    """What is computed, or what says in its place why it could not be."""
+    try:
+        return computed()
+    except MISSING as error:
+        return said(f"could not be computed: {error}")
 
 
 def rows_or_why(rows: Callable[[], Iterable[SheetEntry]]) -> tuple[SheetEntry, ...]:
     """The rows of a group, or one that says why they are missing."""
-    try:
-        return tuple(rows())
-    except MISSING as error:
-        return (SheetEntry("these figures", pair=_missing(error)),)
-
-
-def _cell(value: Callable[[], Value]) -> Value:
-    try:
-        return value()
-    except MISSING as error:
-        return _missing(error)
+    return _or_why(lambda: tuple(rows()), lambda why: (SheetEntry("these figures", pair=why),))
 
 
 def tables_or_why(title: str, tables: Callable[[], tuple[Table, ...]]) -> tuple[Table, ...]:
     """Tables, or an empty one that says why they are missing."""
-    try:
-        return tables()
-    except MISSING as error:
-        return (Table(title, (), (), (_missing(error),)),)
+    return _or_why(tables, lambda why: (Table(title, (), (), (why,)),))
 
 
 def rows_found(tables: Callable[[], tuple[Table, ...]]) -> list[Cells]:
@@ -262,7 +256,7 @@ def measurements(drive: Drive, gears: tuple[GearMeasures, GearMeasures]) -> Iter
     """The means of measuring, and the number of places where they can be used."""
 
     def measured(label: str, value: Callable[[GearMeasures], Value], unit: str = "") -> SheetEntry:
-        return of_both(label, (_cell(partial(value, gear)) for gear in gears), unit)
+        return of_both(label, (_or_why(partial(value, gear), lambda why: why) for gear in gears), unit)
 
     if drive.helix:
         yield SheetEntry("section that is measured, z", "mm", section_z_mm(drive.helix))
