@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from shapely import Polygon
 
-from drives import DESIGNS, drive_of_text
+from drives import DESIGNS, drive_of_text, loaded
 from ncgear.design.reading.design_file import load, load_train, parsed
 from ncgear.design.rewritten import design_copy
 from ncgear.drawings.scene.geared_pairs import SceneGear
@@ -218,12 +218,12 @@ def test_a_train_of_a_chain_is_the_same_row_as_a_machine() -> None:
 
 def test_a_chain_is_written_for_others_as_the_file_of_a_machine() -> None:
     """As sweeps write their best designs, and reports show the file."""
-    loaded = load(DESIGNS / "idler-chain.yaml")
-    again = parsed(design_copy(loaded, {"gears.teeth": 40}), Path("machine.yaml")).design
+    file = loaded("idler-chain")
+    again = parsed(design_copy(file, {"gears.teeth": 40}), Path("machine.yaml")).design
     assert again.gears is not None
-    assert loaded.design.gears is not None
-    assert again.gears == loaded.design.gears.model_copy(update={"teeth": 40})
-    assert again.motion == loaded.design.motion
+    assert file.design.gears is not None
+    assert again.gears == file.design.gears.model_copy(update={"teeth": 40})
+    assert again.motion == file.design.motion
 
 
 @pytest.mark.parametrize(
@@ -259,8 +259,7 @@ def test_faults_of_a_chain_have_their_places(tmp_path: Path, old: str, new: str,
     ],
 )
 def test_refusals_of_a_chain_name_the_keys_of_its_file(key: str, name: str, line: int) -> None:
-    loaded = load(DESIGNS / "idler-chain.yaml")
-    with pytest.raises(WrongInput) as wrong, located(loaded.source):
+    with pytest.raises(WrongInput) as wrong, located(loaded("idler-chain").source):
         raise WrongInput("refused", key=key)
     assert wrong.value.key == name
     assert f"idler-chain.yaml:{line}:" in str(wrong.value)
