@@ -36,7 +36,7 @@ from ncgear.strength.face_load import _hats, _mean_line
 from ncgear.strength.iso6336 import notch_factor
 from ncgear.strength.loading import _beside_more
 from ncgear.tolerances.assemblies import Follower
-from ncgear.tolerances.drawn import SIGMAS, _within_limit
+from ncgear.tolerances.drawn import BEYOND, COUNT, SIGMAS, DeviationLimits, _within_limit, deviating, rows_of
 from ncgear.tolerances.estimate import _tightest
 from ncgear.tolerances.iso1328 import DIAMETERS_MM, tooth_diameters_mm
 
@@ -160,6 +160,49 @@ def test_drawn_deviations_are_normal_within_their_limit() -> None:
     share = np.array([0.0, 0.01, 0.3, 0.5, 0.8, 1.0])
     assert _within_limit(share) == pytest.approx(truncnorm.ppf(share, -SIGMAS, SIGMAS) / SIGMAS, abs=1e-12)
     assert _within_limit(share)[[0, 3, 5]] == pytest.approx([-1.0, 0.0, 1.0])
+
+
+@pytest.mark.judges("tolerances")
+def test_deviations_are_drawn_within_their_limits_from_even_numbers() -> None:
+    """Three assemblies: all numbers 1/2, a largest eccentricity at 60 deg, and the ends of temperatures and wear."""
+    pair = np.full((COUNT, 3), 0.5)
+    pair[rows_of("eccentricity_driving"), 1] = [1.0, 1.0 / 6.0]
+    pair[rows_of("tilt_driven"), 1] = [1.0, 0.25]
+    pair[rows_of("center_distance"), 2] = 1.0
+    pair[rows_of("temperature"), 1:] = [[0.0, 1.0]]
+    pair[rows_of("wear"), 1:] = [[0.0, 1.0]]
+    pair[rows_of("index_driven"), 2] = 0.0
+    pitch, profile = np.array([0.01, 0.02]), np.array([0.004, 0.006])
+    limits = DeviationLimits(
+        0.05,
+        (0.03, 0.02),
+        (1e-3, 2e-3),
+        (4e-4, 5e-4),
+        pitch,
+        profile,
+        (-10.0, 50.0),
+        30.0,
+        (1e-5, 2e-5, 3e-5),
+        (0.1, 0.2),
+    )
+    teeth = np.array([[[1.0, 0.5, -1.0], [0.0, 1.0, 0.2]], [[-1.0, 0.0, 0.5], [1.0, 0.1, -0.3]]])
+    found = deviating(limits, pair, teeth)
+    assert found.rigid[0] == pytest.approx([0.0, 0.0, 0.05])
+    # The radius at which half of a Rayleigh distribution is left that ends at its limit.
+    middle = 0.03 * np.sqrt(np.log(1.0 - 0.5 * (1.0 - BEYOND)) / np.log(BEYOND))
+    assert found.rigid[1, :2] == pytest.approx([-middle, 0.03 / 2.0])
+    assert found.rigid[2, :2] == pytest.approx([0.0, 0.03 * 3.0**0.5 / 2.0])
+    assert np.hypot(*found.rigid[3:5]) == pytest.approx(np.full(3, middle * 2.0 / 3.0))
+    assert found.tilt[2:, 1] == pytest.approx([0.0, 2e-3])
+    # The housing is 0, -30 and 30 degrees Celsius warmer than it was made, and gears are warmer by 30 degrees.
+    assert found.rigid[5] == pytest.approx(1e-5 * np.array([30.0, 0.0, 60.0]))
+    assert found.rigid[7] == pytest.approx(3e-5 * np.array([0.0, -30.0, 30.0]))
+    assert found.rigid[6] == pytest.approx(2.0 * found.rigid[5])
+    assert found.rigid[8] == pytest.approx([0.0, 0.0, 0.0])
+    assert found.rigid[9:, 1:] == pytest.approx(np.array([[0.0, 0.1], [0.0, 0.2]]))
+    assert found.pitch == pytest.approx(np.array([[0.01, 0.005, -0.01], [0.0, 0.02, 0.004]]) / 2.0**0.5)
+    assert found.profile == pytest.approx(np.array([[-0.004, 0.0, 0.002], [0.006, 0.0006, -0.0018]]))
+    assert found.output_rad == pytest.approx([0.0, 0.0, -5e-4])
 
 
 @pytest.mark.judges("tolerances")
