@@ -205,7 +205,7 @@ def test_an_outline_grown_by_a_fiftieth_of_a_millimetre_is_refused(name: str, ge
         refuse_bad_outlines(contact, TOLERANCE)
 
 
-@pytest.mark.parametrize("name", ["sine", "baler"])
+@pytest.mark.parametrize("name", ["sine", pytest.param("baler", marks=pytest.mark.slow)])
 def test_whether_outlines_may_overlap_is_told_as_the_deepest_overlap_tells(name: str) -> None:
     """Below and above the deepest overlap of outlines that were grown."""
     found = outlines(made(name, 25)[1])

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from shapely import Polygon
 
-from drives import DESIGNS, drive_of_text
+from drives import DESIGNS, drive_of_text, loaded
 from ncgear.design.reading.design_file import load, load_train
 from ncgear.design.rewritten import design_copy
 from ncgear.design.space import Space, checked_design, space_of, varied_of
@@ -220,18 +220,18 @@ def test_a_train_of_a_chain_is_the_same_row_as_a_machine() -> None:
 
 def test_a_chain_is_varied_and_written_as_its_own_file(tmp_path: Path) -> None:
     """As sweeps compute their designs and write the best, and reports show the file."""
-    loaded, file = load(DESIGNS / "idler-chain.yaml"), tmp_path / "changed.yaml"
-    file.write_text(design_copy(loaded, {"train.gears.teeth": 40}), encoding="utf-8")
+    given, file = loaded("idler-chain"), tmp_path / "changed.yaml"
+    file.write_text(design_copy(given, {"train.gears.teeth": 40}), encoding="utf-8")
     again = load(file).design
-    assert checked_design(loaded.data, ["train.gears.teeth"], [40.0]) == again
-    assert screened_part(Screening(loaded.data, Space(()), (), 1), 0, np.empty((1, 0))).made.all()
-    assert as_in_file(loaded.data, "gears.idlers.bends_deg.0: wide") == "train.bends_deg: wide"
+    assert checked_design(given.data, ["train.gears.teeth"], [40.0]) == again
+    assert screened_part(Screening(given.data, Space(()), (), 1), 0, np.empty((1, 0))).made.all()
+    assert as_in_file(given.data, "gears.idlers.bends_deg.0: wide") == "train.bends_deg: wide"
     with pytest.raises(WrongInput, match=r"did you mean train\.gears\.teeth"):
-        space_of(loaded, [varied_of("gears.teeth=36,40")])
+        space_of(given, [varied_of("gears.teeth=36,40")])
     assert again.gears is not None
-    assert loaded.design.gears is not None
-    assert again.gears == loaded.design.gears.model_copy(update={"teeth": 40})
-    assert again.motion == loaded.design.motion
+    assert given.design.gears is not None
+    assert again.gears == given.design.gears.model_copy(update={"teeth": 40})
+    assert again.motion == given.design.motion
 
 
 @pytest.mark.parametrize(
@@ -267,8 +267,7 @@ def test_faults_of_a_chain_have_their_places(tmp_path: Path, old: str, new: str,
     ],
 )
 def test_refusals_of_a_chain_name_the_keys_of_its_file(key: str, name: str, line: int) -> None:
-    loaded = load(DESIGNS / "idler-chain.yaml")
-    with pytest.raises(WrongInput) as wrong, located(loaded.source):
+    with pytest.raises(WrongInput) as wrong, located(loaded("idler-chain").source):
         raise WrongInput("refused", key=key)
     assert wrong.value.key == name
     assert f"idler-chain.yaml:{line}:" in str(wrong.value)

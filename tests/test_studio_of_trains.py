@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ import pytest
 
 from at_once import at_once
 from commands import Run
-from drives import DESIGNS
+from drives import DESIGNS, train_of
 from ncgear.design.reading.design_file import load_train
 from ncgear.studio.editing import ChangingText
 from ncgear.studio.form import form
@@ -37,6 +38,12 @@ def answers(text: str, changes: dict[str, Any] | None = None) -> dict[str, Any]:
     return json.loads(json.dumps(dict(found), allow_nan=False))  # type: ignore[no-any-return]
 
 
+@cache
+def told(name: str) -> dict[str, Any]:
+    """All answers for a file of designs/."""
+    return answers((DESIGNS / f"{name}.yaml").read_text())
+
+
 def at(table: dict[str, Any], angle: float) -> float:
     """Hermite's cubic of a table as the page computes it."""
     places, values, slopes = (np.array(table[key]) for key in ("at", "value", "slope"))
@@ -51,10 +58,7 @@ def at(table: dict[str, Any], angle: float) -> float:
 
 @at_once("name", TRAINS)
 def test_the_picture_moves_as_the_poses_of_the_train(name: str) -> None:
-    train, scene = (
-        load_train(DESIGNS / f"{name}.yaml").file.train.train(),
-        answers((DESIGNS / f"{name}.yaml").read_text())["scene"],
-    )
+    train, scene = train_of(name), told(name)["scene"]
     data, size = scene["data"], max(scene["data"]["views"]["machine"][2:])
     assert data["loop"] == pytest.approx(train.cycle_rad)
     assert scene["svg"].count('<g id="scene-part-') == len(train.parts) == len(data["linkage"]["links"])
@@ -78,13 +82,13 @@ def test_the_picture_moves_as_the_poses_of_the_train(name: str) -> None:
 
 @at_once("name", TRAINS)
 def test_the_page_tells_what_a_check_tells(name: str, run: Run) -> None:
-    told = answers((DESIGNS / f"{name}.yaml").read_text())
+    answered = told(name)
     said = "".join(run("check", str(DESIGNS / f"{name}.yaml"))[1].split())
-    for row, text in told["figures"]["facts"][1:]:
+    for row, text in answered["figures"]["facts"][1:]:
         assert "".join(f"{row}{text}".replace("\N{DEGREE SIGN}", " deg").replace("³", "3").split()) in said, row
-    assert told["verdict"]["good"] == "No warnings of what was judged."
-    assert told["motion"]["loop"] > 0.0
-    assert "refused" not in told
+    assert answered["verdict"]["good"] == "No warnings of what was judged."
+    assert answered["motion"]["loop"] > 0.0
+    assert "refused" not in answered
 
 
 def test_a_value_that_is_not_right_is_refused_at_its_place() -> None:

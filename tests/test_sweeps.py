@@ -137,7 +137,7 @@ def test_a_crank_of_even_speed_needs_its_acceleration() -> None:
             assert Sweeps(task(False), asked, 24).possible(limits()).tolist() == [possible]
 
 
-@pytest.mark.tiers(slow=["0.0001"], rest="thorough")
+@pytest.mark.tiers(thorough=["1e-09"], rest="slow")
 @pytest.mark.parametrize("masses", [0.0, 1e-9, 1e-4])
 def test_least_power_against_an_even_force_is_the_mean_power(masses: float) -> None:
     """Without masses the power of the working stroke may be even: the work F 2 r of a second, and a quick return.

@@ -30,7 +30,7 @@ def worn_text(backlash: str = f"backlash_mm: {BACKLASH_MM}", wear: str = "") -> 
 
 
 @pytest.mark.judges("project")
-@pytest.mark.parametrize("unit", ["mm", "deg"])
+@pytest.mark.parametrize("unit", [pytest.param("mm", marks=pytest.mark.slow), "deg"])
 def test_circular_gears_wear_evenly(unit: str) -> None:
     """Without masses their load is that of the law: wear and play grow with time, and nothing else changes much."""
     arm_mm = MODULE_MM * TEETH / 2.0 * cos(radians(20.0))
