@@ -72,11 +72,13 @@ class AsWritten:
 
 def as_written(outlines: Outlines, teeth: ToothedPair, placement: Placement, reach_mm: float) -> AsWritten:
     """Contact of outlines up to ``reach_mm`` from the pitch point; raises NoSuchMechanism where they do not reach."""
-    play = outline_play(outlines.facing(placement), placement, reach_mm)
+    facing = outlines.facing(placement)
+    first = placement.beginning(placement.repeat(facing.driving[::-1], facing.driven))
+    play = outline_play(facing, first, reach_mm)
     tips = _tip_clearances(outlines, teeth, placement)
     require_reached(outlines, play, *tips)
-    bounds = placement.bounds_rad(play.up_rad, play.down_rad)
-    return AsWritten(outlines.source, *bounds, play.overlap_mm, *tips)
+    found = *placement.bounds_rad(play.up_rad, play.down_rad), play.overlap_mm
+    return AsWritten(outlines.source, *(np.resize(values, placement.count) for values in found), *tips)
 
 
 def require_reached(outlines: Outlines, play: WrittenPlay, *tips_mm: float) -> None:
