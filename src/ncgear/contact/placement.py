@@ -94,7 +94,7 @@ class Placement:
             angles = (self.phi1_rad, turns[0]), (self.phi2_rad, turns[1])
             if all(np.abs(angle[after:] - angle[:-after] - turn).max() <= ALIKE for angle, turn in angles) and all(
                 _repeats(places, turn / (2.0 * pi), sense)
-                for places, turn, sense in zip((driving, driven), turns, (1, self.mesh.sense), strict=True)
+                for places, turn, sense in zip((driving, driven), turns, (1.0, self.mesh.sense), strict=True)
             ):
                 return after
         return self.count
@@ -205,7 +205,7 @@ ALIKE = 1e-11
 """Difference of angles in rad, and of places as a share of the largest, of gears that repeat: rounding leaves 1e-14."""
 
 
-def _repeats(places: ComplexArray, turn: float, sense: int) -> bool:
+def _repeats(places: ComplexArray, turn: float, sense: float) -> bool:
     """Whether places repeat after a part of a turn, against the gear's ``sense`` of turning."""
     after = len(places) * turn
     turned = places * np.exp(-2j * pi * sense * turn)

@@ -77,8 +77,9 @@ def as_written(outlines: Outlines, teeth: ToothedPair, placement: Placement, rea
     play = outline_play(facing, first, reach_mm)
     tips = _tip_clearances(outlines, teeth, placement)
     require_reached(outlines, play, *tips)
-    found = *placement.bounds_rad(play.up_rad, play.down_rad), play.overlap_mm
-    return AsWritten(outlines.source, *(np.resize(values, placement.count) for values in found), *tips)
+    bounds = placement.bounds_rad(play.up_rad, play.down_rad)
+    pushing, back, overlap = (np.resize(values, placement.count) for values in (*bounds, play.overlap_mm))
+    return AsWritten(outlines.source, pushing, back, overlap, *tips)
 
 
 def require_reached(outlines: Outlines, play: WrittenPlay, *tips_mm: float) -> None:
