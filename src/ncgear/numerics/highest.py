@@ -19,8 +19,9 @@ from ncgear.numerics.extrema import Extremum
 SHARES = 8
 """Parts into which an interval is cut in a round."""
 
-MANY = 1000
-"""More intervals than these are halved: one value rules out most of them, and so few values pay for a further round."""
+MANY, HALVED = 1000, 4
+"""More intervals than these are halved in the first rounds: one value rules out many of them, and so few values pay for
+a further round."""
 
 ROUNDS = 16
 """Most rounds: intervals shrink to 8^-16 of their length, next to rounding.  Only a cusp takes as many."""
@@ -109,7 +110,7 @@ def largest_from(
     best = values.argmax(axis=1)
     top, at = np.maximum(values.max(axis=1), above), places[best]
     left = _between(places, values)
-    for _ in range(ROUNDS):
+    for done in range(ROUNDS):
         left = _worth_cutting(left, top, np.maximum(missed, EVEN * np.abs(top)))
         if not left.owner.size:
             break
@@ -120,7 +121,7 @@ def largest_from(
                 "from rounding errors",
                 rows=[number],
             )
-        parts = SHARES if left.owner.size <= MANY else 2
+        parts = 2 if left.owner.size > MANY and done < HALVED else SHARES
         inner = left.low[:, None] + (left.high - left.low)[:, None] * (np.arange(1, parts) / parts)
         found = _evaluated(functions, inner.ravel()).reshape(-1, *inner.shape)[left.owner, np.arange(left.owner.size)]
         left = _cut(left, inner, found)
