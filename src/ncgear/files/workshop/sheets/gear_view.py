@@ -156,6 +156,7 @@ def number_teeth(board: Board, gear: ToothedGear, view: PaperView, name: str, *,
 UP_AND_DOWN_MM = np.array([[0.0, -0.4], [0.0, 0.0], [0.0, 0.4]])
 """Points of a number from which its tooth must be the nearest tooth."""
 
+
 def _is_nearest(trees: Sequence[KDTree], row: int, places: Array) -> Mask:
     """Whether a tooth is the nearest to places on paper, (n, 2), by trees of all teeth's points at several heights."""
     nearest = np.stack([tree.query(places[:, None] + UP_AND_DOWN_MM)[1] for tree in trees])
