@@ -75,7 +75,7 @@ def as_written(outlines: Outlines, teeth: ToothedPair, placement: Placement, rea
     facing = outlines.facing(placement)
     first = placement.beginning(placement.repeat(facing.driving[::-1], facing.driven))
     play = outline_play(facing, first, reach_mm)
-    tips = _tip_clearances(outlines, teeth, placement)
+    tips = _tip_clearances(outlines, teeth, first)
     require_reached(outlines, play, *tips)
     bounds = placement.bounds_rad(play.up_rad, play.down_rad)
     pushing, back, overlap = (np.resize(values, placement.count) for values in (*bounds, play.overlap_mm))
@@ -111,7 +111,7 @@ def _tip_clearances(outlines: Outlines, teeth: ToothedPair, placement: Placement
 
     Driving tooth n stands in the driven space before driven tooth n, driven tooth n in the space after driving tooth n.
     """
-    number = np.arange(placement.meetings)
+    number = np.arange(round(placement.count / placement.per_tooth))
     if placement.toothed is not None:
         # Both teeth of a meeting, and of the meeting before, are made.
         number = np.arange(1, min(teeth.driving.teeth, teeth.driven.teeth))
