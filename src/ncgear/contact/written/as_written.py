@@ -49,7 +49,8 @@ class AsWritten:
     ``pushing_rad`` and ``back_rad`` are the driven angles beyond the law's at which pushing flanks and their backs
     touch; ``overlap_mm`` is the depth of the outlines' overlap at the law's angle, shape (n,) each.
     ``driving_tips_mm`` and ``driven_tips_mm`` are the least clearances of these gears' tip lands over the other gear's
-    root lands, infinite where no tip land stands over a root land.
+    root lands, infinite where no tip land stands over a root land.  After ``repeat`` positions, perhaps all of them, the
+    outlines meet as at first: only these were compared.
     """
 
     source: str
@@ -58,6 +59,7 @@ class AsWritten:
     overlap_mm: Array
     driving_tips_mm: float
     driven_tips_mm: float
+    repeat: int
 
     @property
     def transmission_error_rad(self) -> float:
@@ -79,7 +81,7 @@ def as_written(outlines: Outlines, teeth: ToothedPair, placement: Placement, rea
     require_reached(outlines, play, *tips)
     bounds = placement.bounds_rad(play.up_rad, play.down_rad)
     pushing, back, overlap = (np.resize(values, placement.count) for values in (*bounds, play.overlap_mm))
-    return AsWritten(outlines.source, pushing, back, overlap, *tips)
+    return AsWritten(outlines.source, pushing, back, overlap, *tips, first.count)
 
 
 def require_reached(outlines: Outlines, play: WrittenPlay, *tips_mm: float) -> None:
