@@ -19,7 +19,7 @@ from ncgear.numerics.extrema import Extremum
 SHARES = 8
 """Parts into which an interval is cut in a round."""
 
-MANY, HALVED = 1000, 4
+MANY, HALVED = 4000, 4
 """More intervals than these are halved in the first rounds: one value rules out many of them, and so few values pay for
 a further round."""
 
