@@ -49,7 +49,7 @@ class AsWritten:
     ``pushing_rad`` and ``back_rad`` are the driven angles beyond the law's at which pushing flanks and their backs
     touch; ``overlap_mm`` is the depth of the outlines' overlap at the law's angle, shape (n,) each.
     ``driving_tips_mm`` and ``driven_tips_mm`` are the least clearances of these gears' tip lands over the other gear's
-    root lands, infinite where no tip land stands over a root land.  After ``repeat`` positions, perhaps all of them, the
+    root lands, infinite where no tip land stands over a root land.  After ``repeat`` positions, perhaps all, the
     outlines meet as at first: only these were compared.
     """
 
