@@ -11,9 +11,10 @@ from shapely.affinity import rotate, translate
 
 from at_once import at_once
 from engaged import MODULE, designed, made
-from loaded import alike, gaps
-from ncgear.contact.designed.as_designed import contacts_within
+from loaded import alike, gaps, uneven
+from ncgear.contact.designed.as_designed import contacts_within, repeat_of
 from ncgear.contact.placement import placed
+from ncgear.dynamics import gaps as tables
 from ncgear.dynamics.gaps import gaps_of
 from ncgear.pitch.pair import PitchPair
 from ncgear.teeth.gear import ToothedGear, ToothedPair
@@ -35,6 +36,33 @@ def test_between_its_positions_exact_flanks_touch_at_the_laws_angle(name: str, t
     pushing, back = gaps(name, teeth).play_rad(np.linspace(0.0, 2.0 * pi, 20_011))
     assert np.abs(pushing).max() < 4e-6
     assert np.abs(back).max() < 4e-6
+
+
+@pytest.mark.parametrize(
+    ("name", "teeth", "every"),
+    [("uniform", 24, 1), ("uniform 3:2", 30, 1), ("ring", 40, 40), ("sine", 32, 16), ("sine", 31, 31)],
+)
+def test_teeth_that_repeat_are_followed_once(
+    name: str, teeth: int, every: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The tables are those of all teeth, to rounding."""
+    pitch, pair = made(name, teeth)
+    assert repeat_of(pair, placed(pitch, 20)) == 20 * every
+    once = gaps_of(pair, pitch, uneven, 20)
+    monkeypatch.setattr(tables, "repeat_of", lambda teeth, placement: placement.count)
+    tables._met.cache_clear()
+    whole, angles = gaps_of(pair, pitch, uneven, 20), np.linspace(0.0, once.table.breaks[-1], 5003)
+    np.testing.assert_allclose(once.play_rad(angles), whole.play_rad(angles), rtol=0.0, atol=1e-12)
+    for urge in (1.0, -1.0):
+        touching = []
+        for found in (once, whole):
+            near = found.at(angles)
+            ahead = np.where(near.urge == urge, urge * near.error_rad, -np.inf)
+            first = ahead >= ahead.max(axis=1, keepdims=True) - 1e-5
+            touching.append(np.stack([(figure * first).sum(axis=1) for figure in (near.lever_mm, near.stiffness)]))
+        # Where a pair is just so far ahead, rounding decides whether it counts.
+        assert np.mean(np.abs(touching[0] / touching[1] - 1.0) > 1e-9) < 1e-3
+    tables._met.cache_clear()
 
 
 @pytest.mark.thorough

@@ -54,6 +54,25 @@ def test_written_outlines_touch_where_the_exact_curves_do(name: str, teeth: int)
     assert found.overlap_mm.max() <= contact.penetration_mm <= TOLERANCE
 
 
+@pytest.mark.parametrize(("name", "teeth", "every"), [("uniform", 25, 1), ("ring", 40, 40), ("sine", 32, 16)])
+def test_outlines_that_repeat_are_compared_once(name: str, teeth: int, every: int) -> None:
+    """One point a nanometre off its place, and all teeth are compared: they are the same to that nanometre."""
+    (pitch, pair), once = made(name, teeth), written(name, teeth)
+    at = placed(pitch)
+    assert once.repeat == every * at.per_tooth < at.count
+    moved = pair.driven.outline_mm.copy()
+    moved[17] *= 1.0 + 1e-6 / np.hypot(*moved[17])
+    whole = read(replace(outlines(pair), driven_mm=moved), pitch, pair, at)
+    assert whole.repeat == at.count
+    for key in ("pushing_rad", "back_rad"):
+        np.testing.assert_allclose(
+            getattr(once, key), getattr(whole, key), rtol=0.0, atol=3e-6 / at.driven_radius_mm.min()
+        )
+    np.testing.assert_allclose(once.overlap_mm, whole.overlap_mm, rtol=0.0, atol=3e-6)
+    assert once.driving_tips_mm == pytest.approx(whole.driving_tips_mm, abs=2e-6)
+    assert once.driven_tips_mm == pytest.approx(whole.driven_tips_mm, abs=2e-6)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "teeth"), [("uniform", 25), ("uniform 1:2", 24), ("uniform 3:2", 30)])
 def test_transmission_error_of_circular_outlines_vanishes_with_the_tolerance(name: str, teeth: int) -> None:

@@ -157,15 +157,15 @@ def test_a_text_has_room_where_shapely_finds_some() -> None:
 
 
 @at_once("seed", range(8))
-def test_the_first_place_that_has_room_is_taken(seed: int) -> None:
+def test_the_first_place_that_has_room_and_suits_is_taken(seed: int) -> None:
     crowded = Crowded()
     places = np.random.default_rng(seed).uniform([0.0, 0.0], [110.0, 76.0], (60, 2))
     text = Text("tooth", (1.0, -2.0), turned_rad=0.3)
     moved = [Text("tooth", (float(x) + 1.0, float(y) - 2.0), turned_rad=0.3) for x, y in places]
-    first = next(one for one in moved if crowded.has_room(one))
-    assert crowded.board.put_text_at(text, np.array_split(places, 20))
-    assert crowded.board.items[-1] == first
-    assert not crowded.board.put_text_at(text, [places[:0]] if crowded.has_room(moved[0]) else [places[:1]])
+    first, second, *_ = (one for one in moved if crowded.has_room(one))
+    assert not crowded.board.put_text_at(text, places, lambda some: np.zeros(len(some), dtype=bool))
+    assert crowded.board.put_text_at(text, places, lambda some: some[:, 0] + 1.0 != first.place[0])
+    assert crowded.board.items[-1] == second
 
 
 @at_once("seed", range(12))

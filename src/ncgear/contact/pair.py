@@ -63,6 +63,12 @@ class PairContact:
         return max(found.transmission_error_rad for found in self.extremes)
 
     @property
+    def repeated_teeth(self) -> int | None:
+        """Teeth of either gear after which the outlines of every form meet as at first; None where they never do."""
+        placement, after = self.as_designed.placement, max(found.repeat for found in self.as_written)
+        return round(after / placement.per_tooth) if after < placement.count else None
+
+    @property
     def penetration_mm(self) -> float:
         """Deepest overlap at the law's angle, of the worst outlines."""
         return max(found.overlap_mm.value for found in self.extremes)

@@ -74,6 +74,31 @@ class Placement:
             speed=np.concatenate([self.speed, other.speed]),
         )
 
+    def beginning(self, count: int) -> Placement:
+        """The first positions."""
+        rolled, phi1, phi2, speed = (
+            values[:count] for values in (self.rolled_mm, self.phi1_rad, self.phi2_rad, self.speed)
+        )
+        return replace(self, rolled_mm=rolled, phi1_rad=phi1, phi2_rad=phi2, speed=speed)
+
+    def repeat(self, driving: ComplexArray, driven: ComplexArray) -> int:
+        """Positions after which both gears stand as at first, each turned by whole teeth; all where they never do.
+
+        ``driving`` and ``driven`` are places of the gears in their own frames, in the order in which they come to the
+        mesh, equally many for each tooth along the first axis; other places repeat nothing.
+        """
+        share = (part for part in range(1, self.meetings) if self.meetings % part == 0 and self.toothed is None)
+        for pitches in share:
+            after = round(pitches * self.per_tooth)
+            turns = 2.0 * pi * pitches / self.driving_teeth, 2.0 * pi * pitches / self.driven_teeth
+            angles = (self.phi1_rad, turns[0]), (self.phi2_rad, turns[1])
+            if all(np.abs(angle[after:] - angle[:-after] - turn).max() <= ALIKE for angle, turn in angles) and all(
+                _repeats(places, turn / (2.0 * pi), sense)
+                for places, turn, sense in zip((driving, driven), turns, (1.0, self.mesh.sense), strict=True)
+            ):
+                return after
+        return self.count
+
     @property
     def meetings(self) -> int:
         """Number of meetings of two teeth in the cycle, one in each tooth pitch."""
@@ -174,6 +199,18 @@ class Placement:
     @cached_property
     def _driving_axis(self) -> ComplexArray:
         return -self.center_distance_mm * np.exp(-1j * self.mesh.sense * self.phi2_rad)
+
+
+ALIKE = 1e-11
+"""Difference of angles in rad, and of places as a share of the largest, of gears that repeat: rounding leaves 1e-14."""
+
+
+def _repeats(places: ComplexArray, turn: float, sense: float) -> bool:
+    """Whether places repeat after a part of a turn, against the gear's ``sense`` of turning."""
+    after = len(places) * turn
+    turned = places * np.exp(-2j * pi * sense * turn)
+    astray = np.abs(np.roll(places, -round(after), axis=0) - turned).max()
+    return abs(after - round(after)) < 1e-6 and bool(astray <= ALIKE * np.abs(places).max())
 
 
 @lru_cache(maxsize=4)

@@ -17,7 +17,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from ncgear.contact.designed.as_designed import first_within
+from ncgear.contact.designed.as_designed import first_within, repeat_of
 from ncgear.contact.designed.curves import Contacts
 from ncgear.contact.placement import BOTH_SIDES, URGE, Placement, placed
 from ncgear.dynamics.pair_places import PairPlaces, PairStiffness, fixed_tangents, pair_places
@@ -318,19 +318,29 @@ def gaps_of(
     """
     placement, met = _met(teeth, pitch, per_tooth, tuple(sides), within_modules)
     rows = [replace(one, values=np.column_stack([one.values, stiffness(places)])) for one, places in met]
-    return _slotted(Rows.joined(rows).in_order(), placement)
+    return _slotted(_all_round(Rows.joined(rows), placement, repeat_of(teeth, placement)).in_order(), placement)
+
+
+def _all_round(rows: Rows, placement: Placement, count: int) -> Rows:
+    """The rows of all positions, of rows of the first ``count``, after which the teeth meet as at first."""
+    turn, row = np.divmod(np.arange(placement.count // count * rows.drift.size), rows.drift.size)
+    found, first = rows.kept(row), turn * count
+    pitches = np.round(first / placement.per_tooth).astype(int)[:, None]
+    teeth = (found.teeth - 1 + pitches) % [placement.driving_teeth, placement.driven_teeth] + 1
+    return replace(found, teeth=teeth, position=found.position + first)
 
 
 @lru_cache(maxsize=2)
 def _met(
     teeth: ToothedPair, pitch: PitchPair, per_tooth: int, sides: tuple[int, ...], within_modules: float
 ) -> tuple[Placement, list[tuple[Rows, PairPlaces]]]:
-    """The positions, and on each side the contacts of pairs but for their stiffness, and the places of these.
+    """The positions, and on each side contacts of pairs but for their stiffness, and their places, until teeth repeat.
 
     Kept: ``ncgear size`` asks for the same teeth in other widths, and a simulation for the teeth that strength loads.
     """
     placement = placed(pitch, per_tooth)
-    found = first_within(teeth, placement, within_modules * teeth.driving.flanks.rack.module_mm, sides)
+    within_mm = within_modules * teeth.driving.flanks.rack.module_mm
+    found = first_within(teeth, placement, within_mm, sides, repeat_of(teeth, placement))
     return placement, [_rows(one, float(URGE[side]), placement) for one, side in zip(found, sides, strict=True)]
 
 

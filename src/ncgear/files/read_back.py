@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from functools import lru_cache
 from io import StringIO
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree as Xml
@@ -24,7 +25,7 @@ from ncgear.numerics.plane import as_complex, as_points, signed_area
 from ncgear.pitch.shape import Gear
 from ncgear.solids.mesh.pair import SolidPair
 from ncgear.solids.mesh.slabs import require_sound
-from ncgear.solids.mesh.triangles import TriangleMesh, merged, section_rings
+from ncgear.solids.mesh.triangles import TINY, TriangleMesh, merged, section_rings
 from ncgear.solids.plan.areas import parallel, rings
 from ncgear.solids.plan.body import BodyPlan
 from ncgear.teeth.gear import ToothedPair
@@ -62,22 +63,27 @@ FOOT = 1e-7
 the outline."""
 
 
-def stl_bytes(mesh: Trimesh) -> bytes:
+def stl_bytes(mesh: TriangleMesh | Trimesh) -> bytes:
     """The mesh as binary STL, mm in single precision, read back and checked before it is handed out.
 
     Raises Unanswered when the bytes do not hold the same closed solid.
     """
-    from trimesh.exchange.stl import export_stl
-
-    data: bytes = export_stl(mesh)
+    first, second = np.moveaxis(np.diff(mesh.triangles, axis=1), 1, 0)
+    across = np.cross(first, second)
+    rows = np.zeros(len(mesh.faces), STL_TRIANGLE)
+    rows["normal"] = across / np.maximum(np.linalg.norm(across, axis=1), TINY)[:, None]
+    rows["corners"] = mesh.triangles
+    data = bytes(STL_HEAD_BYTES - 4) + len(rows).to_bytes(4, "little") + rows.tobytes()
     read_back(data, mesh)
     return data
 
 
+@lru_cache(maxsize=2)
 def mesh_of_stl(data: bytes) -> TriangleMesh:
     """The triangles of a binary STL file, with corners at the same place as one vertex.
 
-    Raises ValueError where the file is not as long as it says.
+    Raises ValueError where the file is not as long as it says.  Kept, since the outlines of both gears are taken from
+    the files that were read back, each in 34 ms with 400 teeth.
     """
     count = int.from_bytes(data[STL_HEAD_BYTES - 4 : STL_HEAD_BYTES], "little")
     if len(data) != STL_HEAD_BYTES + count * STL_TRIANGLE.itemsize:

@@ -19,6 +19,10 @@ from ncgear.numerics.extrema import Extremum
 SHARES = 8
 """Parts into which an interval is cut in a round."""
 
+MANY, HALVED = 4000, 4
+"""More intervals than these are halved in the first rounds: one value rules out many of them, and so few values pay for
+a further round."""
+
 ROUNDS = 16
 """Most rounds: intervals shrink to 8^-16 of their length, next to rounding.  Only a cusp takes as many."""
 
@@ -106,7 +110,7 @@ def largest_from(
     best = values.argmax(axis=1)
     top, at = np.maximum(values.max(axis=1), above), places[best]
     left = _between(places, values)
-    for _ in range(ROUNDS):
+    for done in range(ROUNDS):
         left = _worth_cutting(left, top, np.maximum(missed, EVEN * np.abs(top)))
         if not left.owner.size:
             break
@@ -117,7 +121,8 @@ def largest_from(
                 "from rounding errors",
                 rows=[number],
             )
-        inner = left.low[:, None] + (left.high - left.low)[:, None] * (np.arange(1, SHARES) / SHARES)
+        parts = 2 if left.owner.size > MANY and done < HALVED else SHARES
+        inner = left.low[:, None] + (left.high - left.low)[:, None] * (np.arange(1, parts) / parts)
         found = _evaluated(functions, inner.ravel()).reshape(-1, *inner.shape)[left.owner, np.arange(left.owner.size)]
         left = _cut(left, inner, found)
         for number in distinct(left.owner):
@@ -154,7 +159,7 @@ def _worth_cutting(left: _Intervals, top: Array, missed: Array) -> _Intervals:
 
 
 def _cut(whole: _Intervals, inner: Array, found: Array) -> _Intervals:
-    """The parts of intervals that were cut at inner places, shape (k, SHARES - 1), with the values found there."""
+    """The parts of intervals that were cut at inner places, shape (k, parts - 1), with the values found there."""
     places = np.column_stack([whole.low, inner, whole.high])
     values = np.column_stack([whole.at_low, found, whole.at_high])
     length = np.diff(places, axis=1)
@@ -165,7 +170,7 @@ def _cut(whole: _Intervals, inner: Array, found: Array) -> _Intervals:
     jumps = stayed >= JUMPS
     before = np.column_stack([whole.before, np.where(jumps, np.roll(slope, -1, axis=1), slope)[:, :-1]])
     after = np.column_stack([np.where(jumps, np.roll(slope, 1, axis=1), slope)[:, 1:], whole.after])
-    owner = np.repeat(whole.owner, SHARES)
+    owner = np.repeat(whole.owner, length.shape[1])
     columns = places[:, :-1], places[:, 1:], values[:, :-1], values[:, 1:], before, after
     return _Intervals(owner, stayed.ravel(), *(column.ravel() for column in columns))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -206,10 +207,22 @@ def contacts_within(teeth: ToothedPair, placement: Placement, within_mm: float) 
     return contacts.on(PUSHING), contacts.on(BACK)
 
 
-def first_within(teeth: ToothedPair, placement: Placement, within_mm: float, sides: Sequence[int]) -> list[Contacts]:
-    """As ``contacts_within`` on some sides of the teeth: at least the first contact of each pair at each position."""
+def repeat_of(teeth: ToothedPair, placement: Placement) -> int:
+    """Positions after which the teeth, which are alike, meet as at first; all where they never do."""
+    driving, driven = _paths_of(teeth)
+    return placement.repeat(driving.places, driven.places)
+
+
+def first_within(
+    teeth: ToothedPair, placement: Placement, within_mm: float, sides: Sequence[int], count: int
+) -> list[Contacts]:
+    """As ``contacts_within`` on some sides of the teeth: at least the first contact of each pair at each position.
+
+    Only the first ``count`` positions have contacts.
+    """
     met = meetings(teeth, placement)
-    met = met.kept(np.isin(met.side, sides))
+    met = replace(met, there=met.there & (met.position < count))
+    met = met.kept(np.isin(met.side, sides) & met.there.any(axis=1))
     found = _candidates(teeth, _paths_of(teeth), placement, met, within_mm)
     flanks = found.flanks.contacts
     contacts = Contacts.joined([flanks, first_edge_contacts(found.hits, flanks, found.first_rad, within_mm)])

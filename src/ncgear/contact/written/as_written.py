@@ -49,7 +49,8 @@ class AsWritten:
     ``pushing_rad`` and ``back_rad`` are the driven angles beyond the law's at which pushing flanks and their backs
     touch; ``overlap_mm`` is the depth of the outlines' overlap at the law's angle, shape (n,) each.
     ``driving_tips_mm`` and ``driven_tips_mm`` are the least clearances of these gears' tip lands over the other gear's
-    root lands, infinite where no tip land stands over a root land.
+    root lands, infinite where no tip land stands over a root land.  After ``repeat`` positions, perhaps all, the
+    outlines meet as at first: only these were compared.
     """
 
     source: str
@@ -58,6 +59,7 @@ class AsWritten:
     overlap_mm: Array
     driving_tips_mm: float
     driven_tips_mm: float
+    repeat: int
 
     @property
     def transmission_error_rad(self) -> float:
@@ -72,11 +74,14 @@ class AsWritten:
 
 def as_written(outlines: Outlines, teeth: ToothedPair, placement: Placement, reach_mm: float) -> AsWritten:
     """Contact of outlines up to ``reach_mm`` from the pitch point; raises NoSuchMechanism where they do not reach."""
-    play = outline_play(outlines.facing(placement), placement, reach_mm)
-    tips = _tip_clearances(outlines, teeth, placement)
+    facing = outlines.facing(placement)
+    first = placement.beginning(placement.repeat(facing.driving[::-1], facing.driven))
+    play = outline_play(facing, first, reach_mm)
+    tips = _tip_clearances(outlines, teeth, first)
     require_reached(outlines, play, *tips)
     bounds = placement.bounds_rad(play.up_rad, play.down_rad)
-    return AsWritten(outlines.source, *bounds, play.overlap_mm, *tips)
+    pushing, back, overlap = (np.resize(values, placement.count) for values in (*bounds, play.overlap_mm))
+    return AsWritten(outlines.source, pushing, back, overlap, *tips, first.count)
 
 
 def require_reached(outlines: Outlines, play: WrittenPlay, *tips_mm: float) -> None:
@@ -108,7 +113,7 @@ def _tip_clearances(outlines: Outlines, teeth: ToothedPair, placement: Placement
 
     Driving tooth n stands in the driven space before driven tooth n, driven tooth n in the space after driving tooth n.
     """
-    number = np.arange(placement.meetings)
+    number = np.arange(round(placement.count / placement.per_tooth))
     if placement.toothed is not None:
         # Both teeth of a meeting, and of the meeting before, are made.
         number = np.arange(1, min(teeth.driving.teeth, teeth.driven.teeth))

@@ -184,6 +184,7 @@ def contact_summary(contact: PairContact, extremes: ContactExtremes) -> dict[str
     designed = contact.as_designed
     return {
         "positions": designed.placement.count,
+        **({} if contact.repeated_teeth is None else {"teeth_repeat_every": contact.repeated_teeth}),
         "transmission_error_rad": contact.transmission_error_rad,
         "contact_ratio_mean": designed.contact_ratio,
         "contact_ratio_min": designed.least_arc,

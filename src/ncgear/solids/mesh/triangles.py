@@ -52,8 +52,7 @@ class TriangleMesh:
     @cached_property
     def bounds(self) -> Array:
         """The least and the largest coordinates of the triangles in mm, shape (2, 3)."""
-        used = self.triangles.reshape(-1, 3)
-        return np.array([used.min(axis=0), used.max(axis=0)])
+        return np.array([[column.min(), column.max()] for column in self.triangles.reshape(-1, 3).T]).T
 
     @property
     def extents(self) -> Array:

@@ -5,7 +5,7 @@ A text covers no line and no other text; lines cross lines, but no text.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from itertools import compress, islice, product
 
@@ -23,8 +23,8 @@ SLACK_MM = 0.6
 CHUNK = 24
 """Points of a line that are tested together."""
 
-TOGETHER = 8
-"""Dimensions that are tested together: usually one of the first has room."""
+TOGETHER = 24
+"""Places of texts, and dimensions, that are tested together: usually one of the first has room."""
 
 LENGTHS_MM = (5.0, 8.0, 12.0, 17.0, 24.0, 32.0, 42.0, 54.0)
 TURNS_RAD = tuple(np.radians([0.0, 12.0, -12.0, 25.0, -25.0, 40.0, -40.0, 60.0, -60.0, 85.0, -85.0]))
@@ -96,13 +96,13 @@ class Board:
                 return True
         return False
 
-    def put_text_at(self, text: Text, places: Iterable[Array]) -> bool:
-        """Add a text, given for the origin, at the first place that has room, of blocks of places of shape (n, 2)."""
+    def put_text_at(self, text: Text, places: Array, suits: Callable[[Array], Mask]) -> bool:
+        """Add a text, given for the origin, at the first of places, (n, 2), with room that ``suits``; if any does."""
         around = _widened(text.corners)
-        for block in places:
-            free = self._roomy(shapely.polygons(block[:, None] + around))
-            if free.any():
-                x, y = block[int(np.argmax(free))] + text.place
+        for block in np.split(places, range(TOGETHER, len(places), TOGETHER)):
+            free = block[self._roomy(shapely.polygons(block[:, None] + around))]
+            if free.size and (fit := free[suits(free)]).size:
+                x, y = fit[0] + text.place
                 self.add(replace(text, place=(float(x), float(y))))
                 return True
         return False

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import chain
+from functools import partial
 from math import cos, radians, sin
 
 import numpy as np
@@ -29,7 +29,7 @@ from ncgear.files.workshop.sheets.body import (
 )
 from ncgear.files.workshop.sheets.frame import Box
 from ncgear.files.workshop.sheets.sheet import Anchor, Dimension, Item, Measured, Pen, Ring, SheetLine, Text
-from ncgear.numerics.arrays import Array, IndexArray, Mask
+from ncgear.numerics.arrays import Array, Mask
 from ncgear.pitch.shape import Gear, meeting_direction_rad
 from ncgear.project.drive import Drive
 from ncgear.project.workshop_measures import GearMeasures
@@ -148,28 +148,19 @@ def number_teeth(board: Board, gear: ToothedGear, view: PaperView, name: str, *,
     aside = outwards[rows, ::-1] * [-1.0, 1.0]
     middle, out, aside = (values[:, None, None] for values in (middles[rows], outwards[rows], aside))
     places = (middle + tries[:, None] * out + shifts[:, None, None] * aside).reshape(rows.size, -1, 2)
-    near = _is_nearest(trees, rows, places[:, :TOGETHER])
-    for row, first, every in zip(rows.tolist(), near, places, strict=True):
-        parts = (every[start : start + TOGETHER] for start in range(TOGETHER, len(every), TOGETHER))
-        own = (part[_is_nearest(trees, row, part)] for part in parts)
+    for row, every in zip(rows.tolist(), places, strict=True):
         text = centered(str(row + 1), np.zeros(2), paper.LETTER_MM, f"{name}-{row + 1}")
-        board.put_text_at(text, chain([every[:TOGETHER][first]], own))
+        board.put_text_at(text, every, partial(_is_nearest, trees, row))
 
 
 UP_AND_DOWN_MM = np.array([[0.0, -0.4], [0.0, 0.0], [0.0, 0.4]])
 """Points of a number from which its tooth must be the nearest tooth."""
 
-TOGETHER = 24
-"""Places that are tested together: between crowded teeth one of the first places has room, or no place has."""
 
-
-def _is_nearest(trees: Sequence[KDTree], row: IndexArray | int, places: Array) -> Mask:
-    """Whether teeth are the nearest to places on paper, by trees of all teeth's points at several heights.
-
-    Places have shape (n, 2) for one tooth, or (teeth, n, 2).
-    """
-    nearest = np.stack([tree.query(places[..., None, :] + UP_AND_DOWN_MM)[1] for tree in trees])
-    return np.asarray((nearest == np.reshape(row, (-1, 1, 1))).all(axis=(0, -1)))
+def _is_nearest(trees: Sequence[KDTree], row: int, places: Array) -> Mask:
+    """Whether a tooth is the nearest to places on paper, (n, 2), by trees of all teeth's points at several heights."""
+    nearest = np.stack([tree.query(places[:, None] + UP_AND_DOWN_MM)[1] for tree in trees])
+    return np.asarray((nearest == row).all(axis=(0, -1)))
 
 
 MOST_PAIRS = 40
