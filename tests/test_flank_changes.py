@@ -95,7 +95,7 @@ def test_friction_takes_from_the_moment_or_adds_to_it() -> None:
         def asked(phi1_rad: np.ndarray) -> np.ndarray:
             return np.where(phi1_rad % TURN < pi, 1e5, 3e5)
 
-        found = borne_torque(mesh, load(), asked, SPEED, TURN, swinging=(0.0,))
+        found = borne_torque(mesh, load(), asked, SPEED, TURN, plays=())
         pushed = 3e5 * LEVER_MM / (LEVER_MM + sign * mu * along)
         settled = found.phi1_rad[0] // TURN * TURN + TURN - 0.01
         last = found.torque_n_mm[:, np.searchsorted(found.phi1_rad, settled)]

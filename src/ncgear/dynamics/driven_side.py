@@ -111,6 +111,12 @@ class Way:
     most_n_mm: float
     known: dict[int, NearPairs] = field(default_factory=dict)
 
+    def with_play(self, share: float) -> Way:
+        """The same way with ``share`` of the play, by other places of the backs."""
+        pushing, back = self.sides[0], self.sides[1].copy()
+        back[..., 1] += (share - 1.0) * (back[:, :1, 1] - pushing[:, :1, 1])
+        return replace(self, sides=(pushing, back), known={})
+
     @cached_property
     def table(self) -> Array:
         """The pairs of both sides, shape (5, pairs, rows)."""
@@ -278,7 +284,7 @@ class DrivenSide:
         inertia: Array = self.load.table.at(self.meshing.law.at(phi1_rad)[0])[0][..., 0]
         return inertia
 
-    def way(self, begin_rad: float, end_rad: float, widest_rad: float, swings: Callable[[Array], Array]) -> Way:
+    def way(self, widest_rad: float, swings: Callable[[Array], Array], begin_rad: float, end_rad: float) -> Way:
         """The way between two driving angles; pairs keep their arms and stiffness for ``widest_rad`` at most.
 
         ``swings`` gives the speed of swings at driving angles.
@@ -313,41 +319,41 @@ class DrivenSide:
 
 @dataclass(frozen=True, eq=False)
 class Ways:
-    """The ways of a driven side from ``begin_rad`` on, of ``width_rad`` each, ``known`` once they are asked for."""
+    """The ways of a driven side from ``begin_rad`` on, of ``width_rad`` each, ``known`` once they are asked for.
 
-    driven: DrivenSide
+    ``made`` makes the way between two driving angles.
+    """
+
+    made: Callable[[float, float], Way]
     begin_rad: float
     width_rad: float
-    widest_rad: float
-    swings: Callable[[Array], Array]
     known: dict[int, Way] = field(default_factory=dict)
 
     def at(self, number: int) -> Way:
         """One of the ways, from 0."""
         if number not in self.known:
             begin, end = (self.begin_rad + one * self.width_rad for one in (number, number + 1))
-            self.known[number] = self.driven.way(begin, end, self.widest_rad, self.swings)
+            self.known[number] = self.made(begin, end)
         return self.known[number]
+
+    def with_play(self, share: float) -> Ways:
+        """The same ways with ``share`` of the play."""
+        return replace(self, known={number: way.with_play(share) for number, way in self.known.items()})
 
     def place(self, phi1_rad: float) -> tuple[int, int]:
         """The number of the way at a driving angle, and its last place up to there."""
         number = int((phi1_rad - self.begin_rad) / self.width_rad)
         return number, max(int(np.searchsorted(self.at(number).phi1_rad, phi1_rad, side="right")) - 1, 0)
 
-    def followed(
-        self, start_rad: float, flank: float, ends_rad: tuple[float, float], swinging: float = 0.0
-    ) -> FollowedStretch:
+    def followed(self, start_rad: float, flank: float, ends_rad: tuple[float, float]) -> FollowedStretch:
         """The torque of the teeth from a place, where they rest on one flank, until they have settled again.
 
-        They are followed at least to the first and at most to the second of ``ends_rad``.  At rest they have the
-        momentum of a swing with ``swinging`` times the largest torque.
+        They are followed at least to the first and at most to the second of ``ends_rad``.
         """
         number, place = self.place(start_rad)
-        way, most = self.at(number), self.driven.most_n_mm
-        here, step = np.array([place]), min(place, way.last - 1)
-        borne = float(way.asked[place]) if way.asked[place] * flank > IDLE * most else 0.0
-        ahead_rad = float(way.resting(here, np.array([flank]))[0])
-        state = State(place, ahead_rad, swinging * most / float(way.swing_rad_s[step]), (borne, borne))
+        way, here = self.at(number), np.array([place])
+        borne = float(way.asked[place]) if way.asked[place] * flank > IDLE * way.most_n_mm else 0.0
+        state = State(place, float(way.resting(here, np.array([flank]))[0]), 0.0, (borne, borne))
         phi1, torque, knocks = [way.phi1_rad[here]], [np.full((2, 1), borne)], list[Knock]()
         settled = False
         while phi1[-1][-1] < ends_rad[1] and not (settled and phi1[-1][-1] >= ends_rad[0]):

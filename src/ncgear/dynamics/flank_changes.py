@@ -22,6 +22,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import field, replace
+from functools import partial
 from math import ceil, pi
 
 import numpy as np
@@ -59,9 +60,9 @@ reversal or jump is found."""
 STEPS = 1 << 17
 """Steps that are computed together."""
 
-SWINGING = 0.0, 0.01, -0.01
-"""Swings with which settled teeth begin in the runs that follow knocks, as shares of the largest torque.  Knocks may
-differ from turn to turn, like a bouncing ball: each run stands for another turn, and the hardest knocks count."""
+PLAYS = 0.99, 1.01
+"""Shares of the play in the runs that follow knocks again.  Knocks may differ from turn to turn, like a bouncing ball,
+and then also with the play, which is hardly known better: the hardest knocks of all runs count."""
 
 FEW, FEWEST = 4000, 300
 """Most and fewest swings in a cycle that is followed as a whole.  With fewer, as with a flywheel on the driven shaft,
@@ -129,12 +130,12 @@ def borne_torque(
     asked: Callable[[Array], Array],
     speed_rad_s: float,
     cycle_rad: float,
-    swinging: Sequence[float] = SWINGING,
+    plays: Sequence[float] = PLAYS,
 ) -> BorneTorque:
     """The torque that the teeth bear where the law demands ``asked`` at a constant driving speed.
 
     It is ``asked`` itself where this neither reverses nor jumps in a cycle of more than FEW swings.  Where teeth knock,
-    they are followed once for each of ``swinging``; the first run gives the knocks and follows the whole cycle.
+    they are followed, which gives the knocks, and once more for each share of the play in ``plays``.
     """
     phi1 = np.linspace(0.0, cycle_rad, SAMPLES, endpoint=False)
     torque = asked(phi1)
@@ -164,18 +165,17 @@ def borne_torque(
     known = np.concatenate([torque, torques])[order]
     driven = replace(driven, asked=lambda at: np.interp(at, own, known, period=cycle_rad))
     parts = ceil(PER_SWING * swings / STEPS)
-    ways = Ways(driven, float(starts[0]), cycle_rad / parts, cycle_rad / PLACES, swings_at)
+    ways = Ways(partial(driven.way, cycle_rad / PLACES, swings_at), float(starts[0]), cycle_rad / parts)
     end_rad = float(starts[0]) + 2.0 * cycle_rad
 
-    def once(begun: float) -> list[FollowedStretch]:
+    def once(ways: Ways) -> list[FollowedStretch]:
         found = list[FollowedStretch]()
         for start_rad, on in zip(starts.tolist(), flank[rows].tolist(), strict=True):
             if not found or start_rad > found[-1].phi1_rad[-1]:
-                found.append(ways.followed(start_rad, on, (start_rad + 2.0 * width_rad, end_rad), begun))
+                found.append(ways.followed(start_rad, on, (start_rad + 2.0 * width_rad, end_rad)))
         return found
 
-    first, *others = swinging
-    found = once(first)
+    found = once(ways)
     if whole and meshing.gaps.come_and_go:
         ends = [float(one.phi1_rad[-1]) for one in found]
         begins = [*(float(one.phi1_rad[0]) for one in found[1:]), float(starts[0]) + cycle_rad]
@@ -184,7 +184,7 @@ def borne_torque(
     followed = joined(found, asked, cycle_rad)
     if not followed.knocks:
         return followed if whole else BorneTorque(asked, cycle_rad, knocks=(), slow_swings=slow)
-    return replace(followed, others=tuple(joined(once(one), asked, cycle_rad) for one in others))
+    return replace(followed, others=tuple(joined(once(ways.with_play(one)), asked, cycle_rad) for one in plays))
 
 
 def closer(
