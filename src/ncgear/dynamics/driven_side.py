@@ -338,7 +338,8 @@ class Ways:
 
     def with_play(self, share: float) -> Ways:
         """The same ways with ``share`` of the play."""
-        return replace(self, known={number: way.with_play(share) for number, way in self.known.items()})
+        known = {number: way.with_play(share) for number, way in self.known.items()}
+        return replace(self, made=lambda *ends_rad: self.made(*ends_rad).with_play(share), known=known)
 
     def place(self, phi1_rad: float) -> tuple[int, int]:
         """The number of the way at a driving angle, and its last place up to there."""
