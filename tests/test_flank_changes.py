@@ -329,7 +329,7 @@ def test_knocks_of_an_uneven_driven_side_are_those_of_another_solver() -> None:
     values = np.column_stack([inertia(knots)[0], 0.0 * knots])
     lines = np.stack([np.diff(values, axis=0) / np.diff(knots)[:, None], values[:-1]])
     wide_rad, load = 10.0 * PLAY_RAD, CrankLoad(PeriodicTable(knots, lines), (0.0, pi))
-    found = borne_torque(teeth(wide_rad, DAMPED), load, asked, SPEED, TURN)
+    found = borne_torque(teeth(wide_rad, DAMPED), load, asked, SPEED, TURN, plays=())
     begin = float(found.phi1_rad[0])
     torque = float(asked(np.array([begin]))[0])
     ahead = -torque / TURNING if torque > 0.0 else wide_rad - torque / TURNING

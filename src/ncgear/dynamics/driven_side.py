@@ -80,7 +80,7 @@ class FollowedStretch:
 
 
 @dataclass(frozen=True, eq=False)
-class State:
+class DrivenState:
     """The driven side at a place of a way: its angle beyond the law's, its momentum, and the torques of its teeth."""
 
     place: int
@@ -143,7 +143,7 @@ class Way:
         eased = self.step_s / self.inertia
         return impulse, _summed(eased), _summed(eased * (impulse[:-1] + self.step_s * self.asked[:-1] / 2.0))
 
-    def flown(self, state: State) -> State:
+    def flown(self, state: DrivenState) -> DrivenState:
         """The place before the first at which flying teeth touch, or the last place."""
         (low, high), (impulse, eased, fallen), start = self.free, self.flights, state.place
         kept, width, begin = state.momentum + impulse[start], 2 * PER_SWING, start
@@ -158,7 +158,7 @@ class Way:
         else:
             place = self.last
         ahead_rad = state.ahead_rad + kept * (eased[place] - eased[start]) - (fallen[place] - fallen[start])
-        return State(place, float(ahead_rad), float(kept - impulse[place]), (0.0, 0.0))
+        return DrivenState(place, float(ahead_rad), float(kept - impulse[place]), (0.0, 0.0))
 
     def near(self, row: int) -> NearPairs:
         """The pairs of a row, kept for all motions."""
@@ -171,7 +171,7 @@ class Way:
         """The fastest swing on it."""
         return float(self.swing_rad_s.max())
 
-    def pressed(self, state: State) -> tuple[State, Array, float]:
+    def pressed(self, state: DrivenState) -> tuple[DrivenState, Array, float]:
         """Steps on the teeth until they part, CHECKED swings at most, with all torques, shape (2, steps).
 
         The last figure is the speed in rad/s after the first step, with which teeth that were apart meet.
@@ -195,7 +195,7 @@ class Way:
             every.append(torques)
             if not torques[NORMAL]:
                 break
-        return State(state.place + len(every), ahead_rad, momentum, every[-1]), np.array(every).T, met_rad_s
+        return DrivenState(state.place + len(every), ahead_rad, momentum, every[-1]), np.array(every).T, met_rad_s
 
     def side_by_side(self, begin: int, end: int) -> FollowedStretch:
         """The steps between two places, at which teeth are settled, in parts that begin at rest SOON swings before."""
@@ -354,7 +354,7 @@ class Ways:
         number, place = self.place(start_rad)
         way, here = self.at(number), np.array([place])
         borne = float(way.asked[place]) if way.asked[place] * flank > IDLE * way.most_n_mm else 0.0
-        state = State(place, float(way.resting(here, np.array([flank]))[0]), 0.0, (borne, borne))
+        state = DrivenState(place, float(way.resting(here, np.array([flank]))[0]), 0.0, (borne, borne))
         phi1, torque, knocks = [way.phi1_rad[here]], [np.full((2, 1), borne)], list[Knock]()
         settled = False
         while phi1[-1][-1] < ends_rad[1] and not (settled and phi1[-1][-1] >= ends_rad[0]):
