@@ -60,7 +60,7 @@ reversal or jump is found."""
 STEPS = 1 << 17
 """Steps that are computed together."""
 
-PLAYS = 0.98, 1.02
+PLAYS = 0.98, 1.015
 """Shares of the play in the runs that follow knocks again.  Knocks may differ from turn to turn, like a bouncing ball,
 and then also with the play, which is hardly known better: the hardest knocks of all runs count."""
 
