@@ -9,18 +9,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from ncgear.dynamics import flank_changes
 from ncgear.dynamics.crank_load import CrankLoad
-from ncgear.dynamics.flank_changes import (
-    CHECKED,
-    PER_SWING,
-    SETTLED,
-    BorneTorque,
-    FollowedStretch,
-    Knock,
-    borne_torque,
-    joined,
-)
+from ncgear.dynamics.driven_side import CHECKED, PER_SWING, SETTLED, FollowedStretch, Knock
+from ncgear.dynamics.flank_changes import BorneTorque, borne_torque, joined
 from ncgear.dynamics.gaps import Gaps
 from ncgear.dynamics.meshing import HARDEST, Friction, Impact, Meshing, moments_n_mm, near_pairs
 from ncgear.numerics.periodic_table import PeriodicTable
@@ -93,14 +84,18 @@ def test_friction_takes_from_the_moment_or_adds_to_it() -> None:
     """Of settled teeth N arm = T arm / (arm + mu v2), with v2 the driven point's speed along the tangent."""
     mu, along = 0.1, 12.0
     for driving, sign in ((20.0, 1.0), (4.0, -1.0)):
-        sides = np.array([[0.0, LEVER_MM, driving, along, STIFFNESS], [PLAY_RAD, LEVER_MM, driving, along, STIFFNESS]])
-        gaps = replace(teeth().gaps, table=PeriodicTable(np.array([0.0, TURN]), sides[None, None]))
+        sides = [[error, LEVER_MM, driving, along, STIFFNESS] for error in (0.0, PLAY_RAD, -1.0)]
+        table = PeriodicTable(np.array([0.0, TURN]), np.array(sides)[None, None])
+        # Where pairs come and go, as the last pair would if it were not so far behind, the whole cycle is followed.
+        gaps = Gaps(
+            table, np.array([[1.0, -1.0, 1.0]]), np.zeros((1, 3, 2), dtype=int), np.array([np.inf]), np.zeros(3, int)
+        )
         mesh = replace(teeth(damping=DAMPED), gaps=gaps, friction=Friction(mu, mu, 1e-3, 2e-3))
 
         def asked(phi1_rad: np.ndarray) -> np.ndarray:
             return np.where(phi1_rad % TURN < pi, 1e5, 3e5)
 
-        found = borne_torque(mesh, load(), asked, SPEED, TURN, finer=(1.0,))
+        found = borne_torque(mesh, load(), asked, SPEED, TURN, plays=())
         pushed = 3e5 * LEVER_MM / (LEVER_MM + sign * mu * along)
         settled = found.phi1_rad[0] // TURN * TURN + TURN - 0.01
         last = found.torque_n_mm[:, np.searchsorted(found.phi1_rad, settled)]
@@ -149,19 +144,6 @@ def test_flanks_that_part_meet_again_and_swing_as_in_closed_form() -> None:
     last = slice(-CHECKED * PER_SWING, None)
     left = np.abs(found.torque_n_mm[0, last] - saw(found.phi1_rad[last]))
     assert left.max() < 1.01 * SETTLED * saw(np.linspace(0.0, TURN, 1001)).max()
-
-
-def test_pairs_may_be_computed_for_any_number_of_swings_together(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """To the bit, for each of the runs that follow the knocks."""
-    torques = []
-    for together in (CHECKED, 16, 96):
-        monkeypatch.setattr(flank_changes, "TOGETHER", together)
-        found = borne_torque(teeth(damping=DAMPED), load(), saw, SPEED, TURN)
-        torques.append([one.torque_n_mm for one in (found, *found.others)])
-    for own, *others in zip(*torques, strict=True):
-        assert all(np.array_equal(own, other, equal_nan=True) for other in others)
 
 
 def test_between_stretches_that_are_followed_the_teeth_bear_what_is_asked() -> None:
@@ -347,7 +329,7 @@ def test_knocks_of_an_uneven_driven_side_are_those_of_another_solver() -> None:
     values = np.column_stack([inertia(knots)[0], 0.0 * knots])
     lines = np.stack([np.diff(values, axis=0) / np.diff(knots)[:, None], values[:-1]])
     wide_rad, load = 10.0 * PLAY_RAD, CrankLoad(PeriodicTable(knots, lines), (0.0, pi))
-    found = borne_torque(teeth(wide_rad, DAMPED), load, asked, SPEED, TURN)
+    found = borne_torque(teeth(wide_rad, DAMPED), load, asked, SPEED, TURN, plays=())
     begin = float(found.phi1_rad[0])
     torque = float(asked(np.array([begin]))[0])
     ahead = -torque / TURNING if torque > 0.0 else wide_rad - torque / TURNING

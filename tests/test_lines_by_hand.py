@@ -16,7 +16,7 @@ from ncgear.drawings.charts.drawer import angle_scale
 from ncgear.drivetrain.bearings import WantedLife, _life
 from ncgear.drivetrain.losses import IDLE, Losses
 from ncgear.drivetrain.motor import Stall
-from ncgear.dynamics.flank_changes import _DrivenSide
+from ncgear.dynamics.flank_changes import closer
 from ncgear.dynamics.gaps import ERROR, Gaps, _breaks
 from ncgear.mechanisms.rack_pinion import BACK, TEETH, RackPinion
 from ncgear.mechanisms.scotch_yoke import ScotchYoke
@@ -133,8 +133,8 @@ def test_a_place_where_a_torque_changes_its_sign_is_found_beside_steeper_ones() 
     def torque(phi1: np.ndarray) -> np.ndarray:
         return np.where(phi1 < 0.7, 1.0, -1.0) * 0.01 + 0.5 * np.tanh((phi1 - 0.2) / 0.001) * (phi1 < 0.5)
 
-    side = Made(speed_rad_s=1.0, swings_rad_s=lambda _: np.array([1e3]), asked=torque, most_n_mm=1.0)
-    (start,), width = _DrivenSide.closer(side, np.array([0.5]), 0.4)
+    (start,), width, places, torques = closer(torque, 1.0, np.array([0.5]), 0.4, 1e-3)
+    assert torques == pytest.approx(torque(places))
     assert start <= 0.7 <= start + width
     assert width <= 1e-3
 

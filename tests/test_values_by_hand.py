@@ -15,7 +15,7 @@ from ncgear.design.keys.strength import PairMaterial
 from ncgear.drawings.scene.scene import Scene
 from ncgear.dynamics import quasi_static
 from ncgear.dynamics.crank_load import _Stroke
-from ncgear.dynamics.flank_changes import _DrivenSide
+from ncgear.dynamics.driven_side import DrivenSide
 from ncgear.dynamics.quasi_static import touching_mm
 from ncgear.errors import NoSuchMechanism
 from ncgear.figures.advice import strength_advice
@@ -131,8 +131,8 @@ def test_the_driven_side_swings_on_two_pairs_as_stiff_as_the_one() -> None:
     """2 k r^2 over the inertia: twice 500 N/mm at 30 mm on 9e5 N mm s^2 are 1 in a second."""
     near = Made(stiffness=np.array([[500.0]]), lever_mm=np.array([[30.0]]))
     gaps = Made(at=lambda phi1: near, of_sections=lambda turning: turning[:, 0])
-    side: Any = Made(meshing=Made(gaps=gaps), _inertia=lambda phi1: np.full(1, 9e5))
-    assert _DrivenSide.swings_rad_s(side, np.array([0.3])) == pytest.approx(1.0)
+    side: Any = Made(meshing=Made(gaps=gaps), inertia=lambda phi1: np.full(1, 9e5))
+    assert DrivenSide.swings_rad_s(side, np.array([0.3])) == pytest.approx(1.0)
 
 
 @pytest.mark.judges("optimum")

@@ -258,6 +258,11 @@ class Gaps:
         return Near(urge, error, lever, driving, driven, stiffness, slopes)
 
     @property
+    def come_and_go(self) -> bool:
+        """Whether more than one pair of a side may touch."""
+        return bool(max(np.count_nonzero(self.urge == side, axis=1).max() for side in (1.0, -1.0)) > 1)
+
+    @property
     def touching_stiffness(self) -> Array:
         """Stiffness of the pairs that touch without load at the positions of the table, shape (n,)."""
         return np.asarray(self.table.coefficients[-1, ..., STIFFNESS][self._touching])

@@ -22,17 +22,16 @@ is t.a.  The tangential speeds give the component of a across t in the same way.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Generic, NamedTuple
 
 import numpy as np
 
-from ncgear.dynamics.gaps import Gaps, Near
+from ncgear.dynamics.gaps import ERROR, LEVER, STIFFNESS, Gaps, Near
 from ncgear.dynamics.mesh_force import MeshPlace
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array, ComplexArray, Number, at_least, at_most
+from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Number, at_least, at_most
 from ncgear.numerics.periodic_table import PeriodicTable
 from ncgear.numerics.plane import Vector
 from ncgear.numerics.units import in_words
@@ -269,34 +268,72 @@ MANY = 16
 """Number of pairs, as of sections of helical teeth, from which arrays are faster than plain numbers."""
 
 
-def near_pairs(
+def near_sides(
     meshing: Meshing, phi1_rad: Array, speed_rad_s: Array | float, most_n_mm: float, turned: Gear = Gear.DRIVEN
-) -> tuple[Sequence[NearPairs], Array]:
-    """The pairs at driving angles and speeds of the driving gear, shape (n,), and their largest lever.
+) -> tuple[tuple[Array, Array], Array]:
+    """The pairs on pushing flanks and on backs at n driving angles and speeds of the driving gear, their largest lever.
 
-    Pairs count that a torque of HARDEST times the largest torque presses together.  Arms with friction are those of the
-    gear that is ``turned``; the driving gear is turned back.
+    Shape (n, pairs, 5) with the quantities of ``NearPairs``, and (n,).  Pairs count that a torque of HARDEST times the
+    largest torque presses together.  Arms with friction are those of the gear that is ``turned``; the driving gear is
+    turned back.
     """
-    near = meshing.gaps.at(phi1_rad)
-    arm, ahead = near.urge * near.lever_mm, near.urge * near.error_rad
-    reach_rad = HARDEST * most_n_mm / float(np.where(arm, near.stiffness * arm**2, np.inf).min())
-    speed = np.reshape(speed_rad_s, (-1, 1))
-    slope = meshing.law.at(phi1_rad)[1][:, None]
-    rub = meshing.friction.coefficient((near.driving_mm - near.driven_mm * slope) * speed)
-    rubbed = arm + rub * near.driven_mm if turned is Gear.DRIVEN else slope * arm + rub * near.driving_mm
-    pairs = np.stack([arm, near.error_rad, near.stiffness, near.slopes[0] * speed, rubbed], axis=-1)
-    levers: Array = near.lever_mm.max(axis=-1)
+    gaps, speed, slope = meshing.gaps, np.reshape(speed_rad_s, (-1, 1)), meshing.law.at(phi1_rad)[1][:, None]
+    index, errors = gaps.table.place(phi1_rad)[1], gaps.table.values(phi1_rad, ERROR)
     sides = list[Array]()
     for side in (1.0, -1.0):
-        key = np.where(near.urge == side, ahead, -np.inf)
-        reached = key >= key.max(axis=-1, keepdims=True) - reach_rad
-        most = int(np.count_nonzero(reached & (near.urge == side), axis=-1).max())
-        order = np.argsort(-key, axis=-1)[:, :most, None]
+        slots = _reached(gaps, index, np.where(gaps.urge[index] == side, side * errors, -np.inf), most_n_mm)
+        near = gaps.at(np.broadcast_to(phi1_rad[:, None], slots.shape), slots)
         # Empty places have no arm, so that they never touch.
-        sides.append(np.take_along_axis(pairs * (near.urge == side)[..., None], order, axis=1))
-    if sum(one.shape[1] for one in sides) > MANY:
-        return list(np.swapaxes(np.concatenate(sides, axis=1), 1, 2)), levers
-    return [list(both) for both in zip(*(one.tolist() for one in sides), strict=True)], levers
+        arm = np.where(near.urge == side, side * near.lever_mm, 0.0)
+        rub = meshing.friction.coefficient((near.driving_mm - near.driven_mm * slope) * speed)
+        turning = (arm + rub * near.driven_mm) if turned is Gear.DRIVEN else (slope * arm + rub * near.driving_mm)
+        columns = arm, near.error_rad, near.stiffness, near.slopes[0] * speed, np.where(arm, turning, 0.0)
+        sides.append(np.stack(columns, axis=-1))
+    levers = np.max([np.abs(one[..., 0]).max(axis=-1) for one in sides], axis=0)
+    return (sides[0], sides[1]), levers
+
+
+def _reached(gaps: Gaps, index: IndexArray, ahead: Array, most_n_mm: float) -> IndexArray:
+    """The slots, shape (n, pairs), that the hardest torque presses in intervals, the first to touch before the others.
+
+    ``ahead`` (shape (n, slots)) is how far ahead the slots of a side touch, -inf for all others.  The pairs that touch
+    before another bear Sum k a^2 (d - d_i) when this one touches at the depth d.  One slot is kept of a toothless side.
+    """
+    order = np.argsort(-ahead, axis=-1)
+    own = np.take_along_axis(ahead, order, axis=-1)
+    reached, behind = np.isfinite(own), np.zeros(own.shape)
+    np.subtract(own[:, :1], own, out=behind, where=reached)
+    turning = (gaps.table.coefficients[-1, ..., STIFFNESS] * gaps.table.coefficients[-1, ..., LEVER] ** 2)[index]
+    turning = np.take_along_axis(turning, order, axis=-1)
+    before = behind[:, 1:] * np.cumsum(turning, axis=1)[:, :-1] - np.cumsum(behind * turning, axis=1)[:, :-1]
+    reached[:, 1:] &= before < HARDEST * most_n_mm
+    return order[:, : max(1, int(np.count_nonzero(reached, axis=-1).max()))]
+
+
+def in_numbers(sides: tuple[Array, Array]) -> NearPairs:
+    """The pairs of both sides at one driving angle, shape (pairs, 5) each, as ``moments_n_mm`` takes them fastest."""
+    if len(sides[0]) + len(sides[1]) > MANY:
+        return np.concatenate(sides).T
+    return [sides[0].tolist(), sides[1].tolist()]
+
+
+def near_pairs(
+    meshing: Meshing, phi1_rad: Array, speed_rad_s: Array | float, most_n_mm: float, turned: Gear = Gear.DRIVEN
+) -> tuple[list[NearPairs], Array]:
+    """The pairs of ``near_sides`` at each of n driving angles, and their largest levers, shape (n,)."""
+    sides, levers = near_sides(meshing, phi1_rad, speed_rad_s, most_n_mm, turned)
+    return [in_numbers(both) for both in zip(*sides, strict=True)], levers
+
+
+def moments_of_arrays(
+    impact: Impact, pairs: Array, ahead_rad: Array | float, speed_rad_s: Array | float, later_s: Array | float
+) -> tuple[Array, Array]:
+    """As ``moments_n_mm``, of pairs in an array (5, pairs) at one place, or (5, pairs, n) at n places, shape (n,)."""
+    arms, errors, stiffnesses, rates, rubbed = pairs
+    depths = arms * (errors + later_s * rates - ahead_rad)
+    damped = impact.damping(depths) * arms * (rates - speed_rad_s)
+    force = impact.force_n(impact.elastic_n(depths, stiffnesses), damped)
+    return (arms * force).sum(axis=0), (rubbed * force).sum(axis=0)
 
 
 def moments_n_mm(
@@ -308,22 +345,18 @@ def moments_n_mm(
     those of a time ``later_s`` ago.
     """
     if isinstance(pairs, np.ndarray):
-        arms, errors, _, rates, _ = pairs
-        depths = arms * (errors + later_s * rates - ahead_rad)
-        touching = depths > 0.0
-        (arms, _, stiffnesses, rates, rubbed), depths = pairs[:, touching], depths[touching]
-        damped = impact.damping(depths) * arms * (rates - speed_rad_s)
-        force = impact.force_n(impact.elastic_n(depths, stiffnesses), damped)
-        return float(arms @ force), float(rubbed @ force)
+        both = moments_of_arrays(impact, pairs, ahead_rad, speed_rad_s, later_s)
+        return float(both[0]), float(both[1])
     # As Impact has them for arrays.
     exponent, full, deep = impact.exponent, impact.damping_n_s_mm, impact.full_damping_depth_mm
-    normal, turning = 0.0, 0.0
+    normal = turning = 0.0
     for side in pairs:
         for arm, error_rad, stiffness, rate_rad_s, rubbed in side:
             depth = arm * (error_rad + later_s * rate_rad_s - ahead_rad)
             if depth <= 0.0:
                 break
-            damping = full if depth >= deep else full * ramp(depth / deep)
+            share = depth / deep
+            damping = full if share >= 1.0 else full * share * share * (3.0 - 2.0 * share)
             force = stiffness * depth**exponent + damping * arm * (rate_rad_s - speed_rad_s)
             if force > 0.0:
                 normal += arm * force

@@ -21,28 +21,29 @@ from math import pi
 import numpy as np
 
 from ncgear.dynamics.crank_load import CrankLoad
-from ncgear.dynamics.flank_changes import (
+from ncgear.dynamics.driven_side import (
     CHECKED,
-    HELD,
     IDLE,
-    JUMP,
     PER_SWING,
-    SAMPLES,
     SETTLED,
-    SWINGS,
     TOUCHING,
     TURNING,
-    BorneTorque,
     FollowedStretch,
     Knock,
-    flanks_of,
-    joined,
-    settled_rad,
 )
+from ncgear.dynamics.flank_changes import JUMP, SAMPLES, BorneTorque, flanks_of, joined
 from ncgear.dynamics.meshing import Meshing, NearPairs, moments_n_mm, near_pairs
+from ncgear.dynamics.quasi_static import loaded_contact
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.pitch.shape import Gear
+
+HELD = 4
+"""Steps for which arms, stiffness, loads and inertia keep their values of the middle: a sixth of a swing.  Gaps keep
+changing: meeting teeth close gaps of many times the depth to which load presses them."""
+
+SWINGS = 96
+"""Swings with steps of the same length."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -244,3 +245,12 @@ class KnockingTrain:
                     met[1].append((row, abs(v2 - slope * v1)))
                 every.append((n1, n2, m1, m2))
         return np.array(every).T.reshape(2, 2, -1), (x1, x2, p1, p2), met
+
+
+def settled_rad(meshing: Meshing, phi1_rad: float, torque_n_mm: float, flank: float, idle: float) -> float:
+    """The driven angle beyond the law's of settled teeth that bear a torque on their flank, or next to no torque."""
+    here = np.array([phi1_rad])
+    if torque_n_mm * flank <= idle:
+        pushing, back = meshing.gaps.play_rad(here)
+        return float(pushing[0] if flank > 0.0 else back[0])
+    return float(loaded_contact(meshing, here, np.array([torque_n_mm]), 0.0).error_rad[0])

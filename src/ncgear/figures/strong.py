@@ -12,7 +12,7 @@ import numpy as np
 
 from ncgear.design.keys.base import listed
 from ncgear.drivetrain.jam import Load, deciding
-from ncgear.dynamics.flank_changes import Knock
+from ncgear.dynamics.driven_side import Knock
 from ncgear.dynamics.rigid import LoadPeaks
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.csv_text import rows_text

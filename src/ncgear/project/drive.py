@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from ncgear.contact.written.as_written import Outlines
     from ncgear.drivetrain.jam import Jam
     from ncgear.drivetrain.motor import Stall
-    from ncgear.dynamics.flank_changes import BorneTorque, Knock
+    from ncgear.dynamics.driven_side import Knock
+    from ncgear.dynamics.flank_changes import BorneTorque
     from ncgear.dynamics.history import MotionPeaks
     from ncgear.dynamics.knocking import KnockingMachine
     from ncgear.dynamics.meshing import Meshing

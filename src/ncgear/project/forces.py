@@ -11,7 +11,8 @@ import numpy as np
 from ncgear.contact.placement import BOTH_SIDES
 from ncgear.design.keys.masses import Simulation
 from ncgear.dynamics.crank_load import CrankLoad, crank_load
-from ncgear.dynamics.flank_changes import IDLE, JUMP, BorneTorque, borne_torque, flanks_of
+from ncgear.dynamics.driven_side import IDLE
+from ncgear.dynamics.flank_changes import JUMP, BorneTorque, borne_torque, flanks_of
 from ncgear.dynamics.gaps import LEAST_IN_MODULES, PER_TOOTH, WITHIN_IN_MODULES, Gaps, gaps_of
 from ncgear.dynamics.loaded_machine import RigidMachine
 from ncgear.dynamics.meshing import Friction, Impact, Meshing

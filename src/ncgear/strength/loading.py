@@ -15,7 +15,8 @@ import numpy as np
 from ncgear.contact.designed.as_designed import ALIKE_RAD
 from ncgear.contact.designed.extremes import over_cycle
 from ncgear.contact.placement import BACK, BOTH_SIDES, PUSHING, Placement, placed, placed_at
-from ncgear.dynamics.flank_changes import BorneTorque, Knock
+from ncgear.dynamics.driven_side import Knock
+from ncgear.dynamics.flank_changes import BorneTorque
 from ncgear.dynamics.gaps import ERROR, LEVER, STIFFNESS
 from ncgear.dynamics.meshing import Meshing
 from ncgear.frozen import dataclass
