@@ -9,7 +9,7 @@ from math import atan, copysign, degrees, exp, log, pi, radians, sin
 
 from ncgear.design.keys.pitch_shapes import UNIT_MM, DxfContour, SvgContour
 from ncgear.design.mechanisms import lengths_of
-from ncgear.errors import DesignError, WrongInput
+from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
 from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind, NotJudged, Remedy
 from ncgear.figures.numbers import fixed, placed, to_digits
 from ncgear.figures.wished import missed_by
@@ -216,3 +216,13 @@ def _of_unit(given: DxfContour, drawn_in: str, sides_mm: Sequence[float]) -> Adv
 
 
 _remark = partial(Advice, Kind.DRAWING, matters=False)
+
+
+def room_of_pitch_curves(drive: Drive) -> Advice | NotJudged:
+    """Gears of a row that overlap at every angle; all others are left to the teeth."""
+    try:
+        _ = drive.whole.row
+    except NoSuchMechanism as refusal:
+        what, _, cure = refusal.problem.partition("; ")
+        return Advice(Kind.ROOM, what, "the row cannot be built", (Remedy(cure),))
+    return NotJudged(ONLY_TEETH)

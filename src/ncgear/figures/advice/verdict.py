@@ -15,7 +15,7 @@ from typing import Any
 
 from ncgear.design.keys.base import listed
 from ncgear.design.keys.design import Design
-from ncgear.errors import DesignError, NoSuchMechanism
+from ncgear.errors import DesignError
 from ncgear.figures.advice import (
     drivetrain_advice,
     given_advice,
@@ -80,16 +80,6 @@ def _motor(drive: Drive) -> bool:
     return followed and (design.simulation.motor is not None or (around is not None and around.motor is not None))
 
 
-def _room_of_pitch_curves(drive: Drive) -> Found:
-    """Gears of a row that overlap at every angle; all others are left to the teeth."""
-    try:
-        _ = drive.whole.row
-    except NoSuchMechanism as refusal:
-        what, _, cure = refusal.problem.partition("; ")
-        return Advice(Kind.ROOM, what, "the row cannot be built", (Remedy(cure),))
-    return NotJudged(ONLY_TEETH)
-
-
 def _always(_: Drive) -> bool:
     return True
 
@@ -143,7 +133,7 @@ CONDITIONS: dict[Kind, Condition] = {
         "room",
         "gears of a row that do not mesh pass each other",
         needs=TEETH,
-        roughly=_room_of_pitch_curves,
+        roughly=machine_advice.room_of_pitch_curves,
         concerns=lambda drive: _gears(drive) and drive.gears.idlers is not None,
         of_pair=False,
     ),
