@@ -70,12 +70,12 @@ def shaft(**changes: Any) -> Any:
     )
     key = Made(pressure_mpa=50.0, safety=2.0, both_senses=False, key=Made(length_mm=20.0))
     values = {"bearings": (bearing(), bearing()), "most_bent": Made(moment_n_mm=7e4, at_mm=12.0), "shaft": part}
-    values |= {"key": key, "jammed": None, "jammed_key": None, "decided_by": {}, "enough_mm": 36.0}
+    values |= {"words": "driving shaft", "key": key, "jammed": None, "jammed_key": None, "decided_by": {}, "enough_mm": 36.0}
     return Made(**values | changes)
 
 
 def result(**changes: Any) -> Any:
-    values = {"demand": DEMAND, "driving_shaft": shaft(), "driven_shaft": None, "wanted_fluctuation": 0.05}
+    values = {"demand": DEMAND, "shafts": (shaft(), None), "wanted_fluctuation": 0.05}
     values |= {"flywheel_kg_mm2": 2e6, "disc": None, "motor": motor(course=COURSE), "pto": None}
     return drivetrain_figures(Made(**values | changes))
 
@@ -94,9 +94,9 @@ def test_losses_are_powers_of_a_cycle() -> None:
 
 def test_shafts_and_bearings_in_their_units() -> None:
     jam = Made(
-        most_n_mm=8e5, largest_n=(Extremum(1.0, 0.0), Extremum(2.0, 0.0)), static_safety=(1.0, 2.0), yielding=1.5
+        torques_n_mm=(8e5, 6e5), largest_n=(Extremum(1.0, 0.0), Extremum(2.0, 0.0)), static_safety=(1.0, 2.0), yielding=1.5
     )
-    found = result(driving_shaft=shaft(jammed=jam))["driving_shaft"]
+    found = result(shafts=(shaft(jammed=jam),))["driving_shaft"]
     assert found["largest_bending_moment_n_m"] == pytest.approx(70.0)
     assert found["bearing_a"]["mean_speed_rpm"] == pytest.approx(60.0)
     assert found["jam"]["torque_n_m"] == pytest.approx(800.0)

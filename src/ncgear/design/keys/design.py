@@ -11,7 +11,7 @@ from pydantic import Field, PrivateAttr, TypeAdapter, create_model
 
 from ncgear.design.keys.base import FILE_FORMAT, Faults, FileFormat, Model, fault, given, optional, required
 from ncgear.design.keys.choices import Choices
-from ncgear.design.keys.drivetrain import Drivetrain
+from ncgear.design.keys.drivetrain import Drivetrain, NamedShaft
 from ncgear.design.keys.gears import SIZES, Gears
 from ncgear.design.keys.machine import Comparison, Fit, Linkage, NoLinkage, Operation, Output, Resistance
 from ncgear.design.keys.masses import Masses, Simulation
@@ -47,6 +47,10 @@ OFFERED = {
     "gears.rack.idle_pressure_angle_deg": ", where both flanks of an idler push",
 }
 """What is offered in place of keys that a row of gears refuses, or why it refuses them."""
+
+
+DRIVES = "driving", "driven"
+"""The bodies of a pair of gears."""
 
 
 class Design(Model, Shown):
@@ -134,6 +138,29 @@ class Design(Model, Shown):
         given = gears and ("gears.idlers" if gears.idlers else "gears.pairs" if gears.pairs > 1 else "")
         key = given or "motion.second_stage"
         return f"{COUNTS[self.stages]} pairs of gears", key
+
+    @property
+    def shafts(self) -> list[NamedShaft]:
+        """The shafts of all gears, from the driving shaft on."""
+        around, count = self.drivetrain, self.stages
+        given = (around.shafts_between if around else None) or (None,) * (count - 1)
+        between = [
+            NamedShaft(
+                f"shaft between {'the stages' if count == 2 else f'stages {number} and {number + 1}'}",
+                f"shafts_between.{number - 1}",
+                one,
+            )
+            for number, one in enumerate(given, 1)
+        ]
+        ends = (getattr(around, key, None) for key in ("driving_shaft", "driven_shaft"))
+        driving, driven = (
+            NamedShaft(f"{gear} shaft", f"{gear}_shaft", one) for gear, one in zip(DRIVES, ends, strict=True)
+        )
+        return [driving, *between, driven]
+
+    def gears_on(self, number: int) -> tuple[str, ...]:
+        """The keys below ``gears`` of the bodies on a shaft, counted from the driving shaft on; the driven first."""
+        return DRIVES[::-1] if 0 < number < self.stages else DRIVES[:1] if number == 0 else DRIVES[1:]
 
     @property
     def can_be_fitted(self) -> bool:
@@ -249,10 +276,9 @@ class Design(Model, Shown):
     def _bearings_bear_the_thrust(self) -> Faults:
         if not (self.drivetrain and self.gears and self.gears.helix and self.gears.helix.kind == "helical"):
             return
-        for name in ("driving_shaft", "driven_shaft"):
-            shaft = getattr(self.drivetrain, name)
+        for _, name, shaft in self.shafts:
             bearing = None if shaft is None else getattr(shaft, f"bearing_{shaft.thrust_on}")
-            if bearing is None or bearing.contact_angle_deg is not None:
+            if shaft is None or bearing is None or bearing.contact_angle_deg is not None:
                 continue
             key, why = "static_rating_n", "what a ball bearing does under the thrust of helical teeth depends on it"
             if bearing.kind == "roller":
@@ -268,27 +294,64 @@ class Design(Model, Shown):
         if self.drivetrain is None or self.gears is None:
             return
         half = self.gears.face_width_mm / 2.0
-        for name in ("driving", "driven"):
-            hub, shaft = getattr(self.gears, name).hub, getattr(self.drivetrain, f"{name}_shaft")
-            top = half + (hub.height_mm if hub else 0.0)
-            for bearing in ("bearing_a", "bearing_b"):
-                one = getattr(shaft, bearing, None)
-                if one is not None and -half < one.at_mm < top:
-                    within = "the gear" if one.at_mm < half else "the gear's hub"
-                    yield fault(
-                        f"drivetrain.{name}_shaft.{bearing}.at_mm",
-                        f"{one.at_mm:.10g} mm is within {within}, which ends at {top:.10g} mm; "
-                        f"{-half:.10g} or less, or {top:.10g} or more, is right",
-                    )
+        for number, (_, name, shaft) in enumerate(self.shafts):
+            for place, gear in enumerate(self.gears_on(number)):
+                hub, middle = getattr(self.gears, gear).hub, getattr(shaft, "second_gear_at_mm", 0.0) if place else 0.0
+                # Of two gears on a shaft, the second is seen from the other end: its hub is on the other side.
+                beside = [half, half + (hub.height_mm if hub else 0.0)][:: -1 if place else 1]
+                low, top = middle - beside[0], middle + beside[1]
+                for bearing in ("bearing_a", "bearing_b"):
+                    one = getattr(shaft, bearing, None)
+                    if one is not None and low < one.at_mm < top:
+                        within = "the gear" if abs(one.at_mm - middle) < half else "the gear's hub"
+                        yield fault(
+                            f"drivetrain.{name}.{bearing}.at_mm",
+                            f"{one.at_mm:.10g} mm is within {within}, which ends at {top:.10g} mm; "
+                            f"{low:.10g} or less, or {top:.10g} or more, is right",
+                        )
+
+    def _shafts_between_fit_their_gears(self) -> Faults:
+        around, gears = self.drivetrain, self.gears
+        if around is None or gears is None:
+            return
+        given, helix = around.shafts_between, gears.helix
+        if given is not None and len(given) != self.stages - 1:
+            turn = (
+                f"{COUNTS[self.stages]} pairs of gears have {self.stages - 1}"
+                if self.stages > 1
+                else "one pair has none"
+            )
+            yield fault(
+                "drivetrain.shafts_between", f"{len(given)} given, but {turn}; give one for each, or leave it out"
+            )
+        if self.stages > 1 and helix is not None and helix.kind == "helical":
+            yield fault(
+                "gears.helix.kind",
+                "helical given, but the thrust of pairs in series on their shafts is not computed; herringbone is "
+                "right, or leave drivetrain out",
+            )
+        for number, one in enumerate(given or ()):
+            key = f"drivetrain.shafts_between.{number}"
+            if abs(one.second_gear_at_mm) < gears.face_width_mm:
+                yield fault(
+                    f"{key}.second_gear_at_mm",
+                    f"{one.second_gear_at_mm:.10g} mm given, but the gears are {gears.face_width_mm:.10g} mm wide: "
+                    "they overlap; as much or more is right, on either side",
+                )
+            bores = [body.bore_mm for body in (gears.driven, gears.driving) if body.bore_mm is not None]
+            if one.diameter_mm is not None and bores and one.diameter_mm > min(bores):
+                yield fault(
+                    f"{key}.diameter_mm",
+                    f"{one.diameter_mm:g} mm given, but a bore of its gears is {min(bores):g} mm; as much or less is "
+                    "right",
+                )
 
     def _not_offered(self) -> Faults:
         """Gears that turn less than once are plain pairs; keys that are not offered for them are refused.
 
-        Only they have end stops.  Two pairs of gears cannot have a drivetrain.
+        Only they have end stops.
         """
         gears = self.gears
-        if self.drivetrain is not None and self.stages > 1:
-            yield fault("drivetrain", "given, but forces are computed of one pair of gears; leave it out of several")
         if not self.motion.is_open:
             for body in ("driving", "driven"):
                 if gears is not None and getattr(gears, body).end_stop is not None:
@@ -335,6 +398,7 @@ class Design(Model, Shown):
             "linkage": not isinstance(self.linkage, NoLinkage),
             "motion.law": self.motion.is_open or self.motion.pairs_in_series > 1,
             "strength.overload": self.strength.overload is not None,
+            "drivetrain": self.drivetrain is not None,
             "gears.pairs": gears.pairs > 1,
             "gears.mesh": gears.mesh != "external",
             "gears.helix": gears.helix is not None,

@@ -5,11 +5,22 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, NamedTuple
 
 from pydantic import Field
 
-from ncgear.design.keys.base import Faults, Length, Model, Place, Positive, Speed, fault, optional, required
+from ncgear.design.keys.base import (
+    Faults,
+    Length,
+    Model,
+    Place,
+    Positive,
+    Several,
+    Speed,
+    fault,
+    optional,
+    required,
+)
 
 Share = Annotated[float, Field(gt=0.0, le=1.0)]
 Coefficient = Annotated[float, Field(ge=0.0, le=2.0)]
@@ -113,6 +124,15 @@ class DrivenShaft(DrivingShaft):
     )
 
 
+class ShaftBetween(DrivingShaft):
+    """A shaft between two pairs of gears: the driven gear of one pair and the driving gear of the next are on it."""
+
+    second_gear_at_mm: Place = required(
+        "place of the middle of the driving gear of the next pair along the shaft in mm, counted like all places from "
+        "the middle of the gear that is driven"
+    )
+
+
 class Gearbox(Model):
     """The parts between a motor and the driving shaft."""
 
@@ -162,6 +182,9 @@ class Drivetrain(Model):
         "share in percent of the bearings that shall last so long", 90.0, ge=50.0, le=99.95
     )
     driving_shaft: DrivingShaft | None = optional("shaft of the driving gear; left out: none")
+    shafts_between: Annotated[Several[ShaftBetween], Field(min_length=1)] | None = optional(
+        "list of the shafts between pairs of gears in series, from the driving shaft on; left out: none"
+    )
     driven_shaft: DrivenShaft | None = optional("shaft of the driven gear and the crank; left out: none")
     guide_friction: Coefficient = optional("coefficient of friction of the slider in its guide", 0.0)
     flywheel_diameter_mm: Length | None = optional(
@@ -172,3 +195,11 @@ class Drivetrain(Model):
     pto: PowerTakeOff | None = optional(
         "shaft of constant speed with its coupling, in place of a motor; left out: none"
     )
+
+
+class NamedShaft(NamedTuple):
+    """A shaft in words, its key below ``drivetrain``, and its keys; None where they are left out."""
+
+    words: str
+    key: str
+    given: DrivingShaft | None
