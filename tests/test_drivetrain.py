@@ -160,10 +160,7 @@ def test_bearings_of_helical_teeth_are_in_balance_in_space(torque_n_mm: float) -
         assert moments[:2] == pytest.approx([0.0, 0.0], abs=1e-6)
         assert shaft.thrust_n[0] == pressing[2]
         # Beside the gear the shaft is bent by what stands beyond: here by its first bearing alone, or by all but that.
-        before, behind = (
-            bending_moment_n_mm(shaft, seats, one)
-            for one in gear_sides_mm(shaft)
-        )
+        before, behind = (bending_moment_n_mm(shaft, seats, one) for one in gear_sides_mm(shaft))
         assert before == pytest.approx(-borne[0] * 90.0, rel=1e-9)
         assert abs(behind - before)[0] == pytest.approx(np.hypot(*np.cross(point, pressing)[:2]), rel=1e-9)
 

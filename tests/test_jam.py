@@ -19,6 +19,7 @@ from ncgear.figures.advice.strength_advice import rough, strength
 from ncgear.figures.advice.values import Advice
 from ncgear.figures.flanks import surfaces_rows
 from ncgear.figures.strong import deciding_forces
+from ncgear.pitch.shape import Gear
 from ncgear.project.rough_strength import rough_strength
 from ncgear.project.strengthening import deciding_loads, rating_of
 from ncgear.strength.conditions import face_load_factor_of_roots
