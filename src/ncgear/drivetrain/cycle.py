@@ -7,14 +7,14 @@ loads are then exact to about 1e-12.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from math import pi
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ncgear.dynamics.loaded_machine import RigidMachine
+from ncgear.dynamics.loaded_machine import Loads, RigidMachine
 from ncgear.dynamics.mesh_force import MeshForce, MeshPlace
 from ncgear.dynamics.rigid import Rigid
 from ncgear.frozen import dataclass
@@ -27,7 +27,6 @@ from ncgear.numerics.quadrature import gauss_points
 from ncgear.numerics.zeros import all_zeros
 
 if TYPE_CHECKING:
-    from ncgear.drivetrain.jam import Jam
     from ncgear.dynamics.knocking import KnockingMachine
 
 NODES = 10
@@ -133,17 +132,17 @@ def loads_at(
     rigid: RigidMachine,
     phi1_rad: Array,
     mesh_shares: Sequence[float] = (),
-    under: KnockingMachine | Jam | None = None,
+    at: Callable[[Array], Loads] | None = None,
 ) -> LoadsAt:
     """The loads at driving angles in rad; the machine must have gears.
 
     ``mesh_shares`` are the shares of their torque's size that friction between the teeth of all pairs takes.  The loads
-    are those of the law, or ``under`` knocks or a jam.
+    are those of the law, or those ``at`` driving angles of knocks or a jam.
 
     The crank turns clockwise in the frame of the mechanism, the gears of a pair against each other or, inside a ring,
     with each other.
     """
-    loads, angles = (under or rigid).at(phi1_rad), rigid.angles(phi1_rad, 1)
+    loads, angles = (at or rigid.at)(phi1_rad), rigid.angles(phi1_rad, 1)
     speeds = [angle.derivative(1) for angle in angles]
     torques = [
         (passed.value / speeds[pair], passed.value / speeds[pair + 1]) for pair, passed in enumerate(loads.passed)
@@ -180,7 +179,7 @@ class Cycle:
 
     def loads_at(self, phi1_rad: Array) -> LoadsAt:
         """The loads at driving angles in rad, shape (n,)."""
-        return loads_at(self.rigid, phi1_rad, self.mesh_shares, self.knocking)
+        return loads_at(self.rigid, phi1_rad, self.mesh_shares, self.knocking and self.knocking.at)
 
     @property
     def places_rad(self) -> Array:
@@ -214,7 +213,7 @@ def with_knocks(cycle: Cycle, knocking: KnockingMachine) -> Cycle:
     turns = first + (knocking.turns_rad - first) % cycle.cycle_rad
     breaks = apart(np.concatenate([cycle.breaks_rad, turns]), first, last)
     points, weights = gauss_points(panels_between(breaks, WIDEST_RAD), NODES)
-    loads = loads_at(cycle.rigid, points, cycle.mesh_shares, knocking)
+    loads = loads_at(cycle.rigid, points, cycle.mesh_shares, knocking.at)
     return replace(cycle, breaks_rad=breaks, weight_rad=weights, loads=loads, knocking=knocking)
 
 

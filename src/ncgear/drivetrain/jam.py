@@ -78,7 +78,7 @@ class Jam:
 
     def shaft(self, number: int, phi1_rad: Array) -> ShaftLoads:
         """The loads of a shaft, counted from the driving shaft on, at driving angles, shape (n,)."""
-        return loads_at(self.rigid, phi1_rad, (), self).shafts[number]
+        return loads_at(self.rigid, phi1_rad, (), self.at).shafts[number]
 
     def peaks(self) -> LoadPeaks:
         """The largest forces of a cycle, in the form of a running machine."""
