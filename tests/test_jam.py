@@ -238,7 +238,7 @@ def test_what_a_jam_dents_is_told() -> None:
     dented = next(
         one for one in said if one.startswith("in a jam the load of bearing a of the driving shaft is 1352 N")
     )
-    assert "drivetrain.shafts[0].bearing_a.static_rating_n: 1353 or over" in dented
+    assert "drivetrain.driving_shaft.bearing_a.static_rating_n: 1353 or over" in dented
     assert any(one.startswith("in a jam the pressure on the key of the driving shaft is 1271 MPa") for one in said)
     without = [one.brief for one in around(drive_of_text(text_of(None, weak))) if isinstance(one, Advice)]
     assert not any("jam" in one for one in without)
