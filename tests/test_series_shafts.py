@@ -235,6 +235,7 @@ def test_a_shaft_between_alike_gears_that_stand_close_is_loaded_as_one_of_a_sing
     ("changes", "said"),
     [
         (("pairs: 2, ", ""), "shafts_between: 1 given, but one pair has none"),
+        ((BETWEEN, 2 * BETWEEN), "shafts_between: 2 given, but two pairs of gears have 1"),
         (("pairs: 2", "pairs: 3"), "shafts_between: 1 given, but three pairs of gears have 2"),
         (("second_gear_at_mm: 60", "second_gear_at_mm: 19"), "second_gear_at_mm: 19 mm given, but the gears are 20 mm"),
         (("bearing_b: {at_mm: 95", "bearing_b: {at_mm: 65"), "bearing_b.at_mm: 65 mm is within the gear"),

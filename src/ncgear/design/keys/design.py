@@ -11,7 +11,7 @@ from pydantic import Field, PrivateAttr, TypeAdapter, create_model
 
 from ncgear.design.keys.base import FILE_FORMAT, Faults, FileFormat, Model, fault, given, optional, required
 from ncgear.design.keys.choices import Choices
-from ncgear.design.keys.drivetrain import Drivetrain, NamedShaft
+from ncgear.design.keys.drivetrain import Drivetrain, NamedShaft, bodies_on, named_shafts, shaft_faults
 from ncgear.design.keys.gears import SIZES, Gears
 from ncgear.design.keys.machine import Comparison, Fit, Linkage, NoLinkage, Operation, Output, Resistance
 from ncgear.design.keys.masses import Masses, Simulation
@@ -47,10 +47,6 @@ OFFERED = {
     "gears.rack.idle_pressure_angle_deg": ", where both flanks of an idler push",
 }
 """What is offered in place of keys that a row of gears refuses, or why it refuses them."""
-
-
-DRIVES = "driving", "driven"
-"""The bodies of a pair of gears."""
 
 
 class Design(Model, Shown):
@@ -142,25 +138,11 @@ class Design(Model, Shown):
     @property
     def shafts(self) -> list[NamedShaft]:
         """The shafts of all gears, from the driving shaft on."""
-        around, count = self.drivetrain, self.stages
-        given = (around.shafts_between if around else None) or (None,) * (count - 1)
-        between = [
-            NamedShaft(
-                f"shaft between {'the stages' if count == 2 else f'stages {number} and {number + 1}'}",
-                f"shafts_between.{number - 1}",
-                one,
-            )
-            for number, one in enumerate(given, 1)
-        ]
-        ends = (getattr(around, key, None) for key in ("driving_shaft", "driven_shaft"))
-        driving, driven = (
-            NamedShaft(f"{gear} shaft", f"{gear}_shaft", one) for gear, one in zip(DRIVES, ends, strict=True)
-        )
-        return [driving, *between, driven]
+        return named_shafts(self.drivetrain, self.stages)
 
     def gears_on(self, number: int) -> tuple[str, ...]:
         """The keys below ``gears`` of the bodies on a shaft, counted from the driving shaft on; the driven first."""
-        return DRIVES[::-1] if 0 < number < self.stages else DRIVES[:1] if number == 0 else DRIVES[1:]
+        return bodies_on(number, self.stages)
 
     @property
     def can_be_fitted(self) -> bool:
@@ -273,78 +255,9 @@ class Design(Model, Shown):
                 f"{self.gears.lobes.driven} given, but a law of the slider's motion drives one crank; 1 is right",
             )
 
-    def _bearings_bear_the_thrust(self) -> Faults:
-        if not (self.drivetrain and self.gears and self.gears.helix and self.gears.helix.kind == "helical"):
-            return
-        for _, name, shaft in self.shafts:
-            bearing = None if shaft is None else getattr(shaft, f"bearing_{shaft.thrust_on}")
-            if shaft is None or bearing is None or bearing.contact_angle_deg is not None:
-                continue
-            key, why = "static_rating_n", "what a ball bearing does under the thrust of helical teeth depends on it"
-            if bearing.kind == "roller":
-                key, why = (
-                    "contact_angle_deg",
-                    "cylindrical rollers bear no thrust of helical teeth; others have an angle",
-                )
-            elif bearing.static_rating_n is not None:
-                continue
-            yield fault(f"drivetrain.{name}.bearing_{shaft.thrust_on}.{key}", f"missing; {why}")
-
-    def _bearings_stand_beside_their_gears(self) -> Faults:
-        if self.drivetrain is None or self.gears is None:
-            return
-        half = self.gears.face_width_mm / 2.0
-        for number, (_, name, shaft) in enumerate(self.shafts):
-            for place, gear in enumerate(self.gears_on(number)):
-                hub, middle = getattr(self.gears, gear).hub, getattr(shaft, "second_gear_at_mm", 0.0) if place else 0.0
-                # Of two gears on a shaft, the second is seen from the other end: its hub is on the other side.
-                beside = [half, half + (hub.height_mm if hub else 0.0)][:: -1 if place else 1]
-                low, top = middle - beside[0], middle + beside[1]
-                for bearing in ("bearing_a", "bearing_b"):
-                    one = getattr(shaft, bearing, None)
-                    if one is not None and low < one.at_mm < top:
-                        within = "the gear" if abs(one.at_mm - middle) < half else "the gear's hub"
-                        yield fault(
-                            f"drivetrain.{name}.{bearing}.at_mm",
-                            f"{one.at_mm:.10g} mm is within {within}, which ends at {top:.10g} mm; "
-                            f"{low:.10g} or less, or {top:.10g} or more, is right",
-                        )
-
-    def _shafts_between_fit_their_gears(self) -> Faults:
-        around, gears = self.drivetrain, self.gears
-        if around is None or gears is None:
-            return
-        given, helix = around.shafts_between, gears.helix
-        if given is not None and len(given) != self.stages - 1:
-            turn = (
-                f"{COUNTS[self.stages]} pairs of gears have {self.stages - 1}"
-                if self.stages > 1
-                else "one pair has none"
-            )
-            yield fault(
-                "drivetrain.shafts_between", f"{len(given)} given, but {turn}; give one for each, or leave it out"
-            )
-        if self.stages > 1 and helix is not None and helix.kind == "helical":
-            yield fault(
-                "gears.helix.kind",
-                "helical given, but the thrust of pairs in series on their shafts is not computed; herringbone is "
-                "right, or leave drivetrain out",
-            )
-        for number, one in enumerate(given or ()):
-            key = f"drivetrain.shafts_between.{number}"
-            if abs(one.second_gear_at_mm) < gears.face_width_mm:
-                yield fault(
-                    f"{key}.second_gear_at_mm",
-                    f"{one.second_gear_at_mm:.10g} mm given, but the gears are {gears.face_width_mm:.10g} mm wide: "
-                    "they overlap; as much or more is right, on either side",
-                )
-            bores = [body.bore_mm for body in (gears.driven, gears.driving) if body.bore_mm is not None]
-            if one.diameter_mm is not None and bores and one.diameter_mm > min(bores):
-                yield fault(
-                    f"{key}.diameter_mm",
-                    f"{one.diameter_mm:g} mm given, but a bore of its gears is {min(bores):g} mm; as much or less is "
-                    "right",
-                )
+    def _shafts_fit_their_gears(self) -> Faults:
+        if self.drivetrain is not None and self.gears is not None:
+            yield from shaft_faults(self.shafts, self.gears, self.stages)
 
     def _not_offered(self) -> Faults:
         """Gears that turn less than once are plain pairs; keys that are not offered for them are refused.
