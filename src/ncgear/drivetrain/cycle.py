@@ -179,7 +179,8 @@ class Cycle:
 
     def loads_at(self, phi1_rad: Array) -> LoadsAt:
         """The loads at driving angles in rad, shape (n,)."""
-        return loads_at(self.rigid, phi1_rad, self.mesh_shares, self.knocking and self.knocking.at)
+        at = None if self.knocking is None else self.knocking.at
+        return loads_at(self.rigid, phi1_rad, self.mesh_shares, at)
 
     @property
     def places_rad(self) -> Array:
