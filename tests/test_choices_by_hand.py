@@ -109,19 +109,19 @@ def test_forces_press_a_face_along_the_normal(monkeypatch: pytest.MonkeyPatch) -
         torque_n_mm=lambda phi: np.array([200.0]),
         place=Made(couples_mm=lambda slope: (np.array([2.0 + 1.0j]), np.array([3.0 - 1.0j]))),
         slope=lambda phi: None,
+        turns_crank=True,
+        pair=Made(shaft_rad=np.asarray),
     )
     monkeypatch.setattr(face_load, "complex_of", lambda force: np.array([force.x + 1j * force.y]))
     beyond: list[Any] = []
     monkeypatch.setattr(face_load, "_crank_n", lambda own, phi, torque: beyond.append(torque) or np.array([100.0 + 0j]))
-    own: Any = Made(asked=asked)
-    found = face_load.FaceLoading.pressing(
-        own, np.array([0.1]), np.array([-1.0]), np.array([40.0]), np.array([7.0]), 1.25, np.array([1.2])
-    )
+    own: Any = face_load.FaceLoading("computed", asked=asked)
+    found = own.pressing(np.array([0.1]), np.array([-1.0]), np.array([40.0]), np.array([7.0]), 1.25, np.array([1.2]))
     values = [getattr(found, name) for name in type(found).__dataclass_fields__]
     assert beyond[0] == pytest.approx([-40.0 * 25.0 - 200.0])
     assert values[0] == pytest.approx([1.25 * 1.2 * 40.0])
     assert values[1] == pytest.approx([7.0])
-    assert values[2] == pytest.approx([1.25 * 100.0 * 0.6])
+    assert values[2] == pytest.approx(np.array([[0.0, 1.25 * 100.0 * 0.6]]))
     assert values[3] == pytest.approx(np.array([[15.0, 25.0]]))
     assert values[4] == pytest.approx(np.array([[-(2.0 * 0.6 + 0.8), 3.0 * 0.6 - 0.8]]) * 0.2)
 

@@ -22,6 +22,7 @@ from drives import drive, drive_of_text
 from ncgear.design.keys.drivetrain import DrivingShaft
 from ncgear.drivetrain.bearings import (
     Bearing,
+    Seats,
     WantedLife,
     bearing_forces,
     bearing_lives,
@@ -34,7 +35,7 @@ from ncgear.drivetrain.bearings import (
     rating_for_n,
     shaft_loads,
 )
-from ncgear.drivetrain.cycle import Cycle, ShaftLoads, cycle_of, with_knocks
+from ncgear.drivetrain.cycle import Cycle, GearLoads, ShaftLoads, cycle_of, shafts_of, with_knocks
 from ncgear.drivetrain.losses import Demand, TouchingTeeth, losses_of, mesh_loss_factor, most_mesh_loss_factor
 from ncgear.drivetrain.motor import Gearbox, StraightLine, motor_load, stall_of
 from ncgear.drivetrain.pto import Excursion, running_ahead, slipping
@@ -101,21 +102,21 @@ def test_equivalent_loads_in_closed_form() -> None:
 def test_two_bearings_by_moments() -> None:
     """A gear between them, a crank beyond one, in two directions; forces and moments are in balance by hand."""
     idle = np.zeros(1)
-    loads = ShaftLoads(idle, np.array([1000.0 + 0j]), np.array([600.0j]), idle, idle, 0j * idle)
-    bearings = Bearing(-100.0, "ball"), Bearing(300.0, "ball")
-    on_first, on_second = (force[0] for force in bearing_forces(loads, bearings, 500.0))
+    loads = ShaftLoads(idle, idle, (GearLoads(np.array([1000.0 + 0j]), idle, idle, 0j * idle),), np.array([600.0j]))
+    seats = Seats((Bearing(-100.0, "ball"), Bearing(300.0, "ball")), crank_at_mm=500.0)
+    on_first, on_second = (force[0] for force in bearing_forces(loads, seats))
     # Moments about the first: 1000 * 100 / 400, and 600 * 600 / 400
     assert on_second == pytest.approx(250.0 + 900.0j, rel=1e-14)
     assert on_first == pytest.approx(750.0 - 300.0j, rel=1e-14)
     # Bending at the gear: the first bearing's force times 100 mm; at the second, the crank's times 200 mm
-    assert abs(bending_moment_n_mm(loads, bearings, 500.0, 0.0)[0]) == pytest.approx(abs(on_first) * 100.0, rel=1e-13)
-    assert abs(bending_moment_n_mm(loads, bearings, 500.0, 300.0)[0]) == pytest.approx(600.0 * 200.0, rel=1e-13)
+    assert abs(bending_moment_n_mm(loads, seats, 0.0)[0]) == pytest.approx(abs(on_first) * 100.0, rel=1e-13)
+    assert abs(bending_moment_n_mm(loads, seats, 300.0)[0]) == pytest.approx(600.0 * 200.0, rel=1e-13)
     # Nothing presses beyond the outermost places, and rounding errors of what is within them are not told
-    assert bending_moment_n_mm(loads, bearings, 500.0, -100.0)[0] == bending_moment_n_mm(loads, bearings, 500.0, 500.0)
-    assert bending_moment_n_mm(loads, bearings, 500.0, 500.0)[0] == 0.0
-    beside = Bearing(20.0, "ball"), Bearing(22.0, "ball")
-    assert bending_moment_n_mm(loads, beside, 0.0, 0.0)[0] == 0.0
-    bent = most_bent(loads, bearings, 500.0)
+    assert bending_moment_n_mm(loads, seats, -100.0)[0] == bending_moment_n_mm(loads, seats, 500.0)
+    assert bending_moment_n_mm(loads, seats, 500.0)[0] == 0.0
+    beside = Seats((Bearing(20.0, "ball"), Bearing(22.0, "ball")))
+    assert bending_moment_n_mm(loads, beside, 0.0)[0] == 0.0
+    bent = most_bent(loads, seats)
     assert (bent.moment_n_mm, bent.at_mm) == pytest.approx((600.0 * 200.0, 300.0), rel=1e-13)
 
 
@@ -138,7 +139,9 @@ def test_bearings_of_helical_teeth_are_in_balance_in_space(torque_n_mm: float) -
     """Six equations for each shaft: cross products of forces at the pitch point, the crank and two bearings."""
     force, slope = of_helical(torque_n_mm)
     crank_n, idle, at_mm, crank_at_mm = np.array([900.0 - 4000.0j]), np.zeros(1), (-90.0, 140.0), 260.0
-    shafts = ShaftLoads.pair(HELICAL, force, (idle, Jet(np.stack([idle, slope]))), crank_n, (idle, idle))
+    angles = Jet.variable(idle, 1), Jet(np.stack([idle, slope]))
+    shafts = shafts_of([HELICAL], [force], angles, [(idle, idle)], crank_n)
+    seats = Seats((Bearing(at_mm[0], "ball"), Bearing(at_mm[1], "ball")), crank_at_mm=crank_at_mm)
     towards = np.array([cos(radians(150.0)), sin(radians(150.0)), 0.0])
     across = np.array([force.force.x.value[0], force.force.y.value[0], 0.0])
     whole = across + np.array([0.0, 0.0, force.thrust_n.value[0]])
@@ -149,7 +152,7 @@ def test_bearings_of_helical_teeth_are_in_balance_in_space(torque_n_mm: float) -
         shafts, (towards * (radius - 210.0), towards * radius), (-whole, whole), strict=True
     ):
         crank = np.array([shaft.crank_n[0].real, shaft.crank_n[0].imag, 0.0])
-        borne = bearing_forces(shaft, (Bearing(at_mm[0], "ball"), Bearing(at_mm[1], "ball")), crank_at_mm)
+        borne = bearing_forces(shaft, seats)
         bearings = [-np.array([one[0].real, one[0].imag, 0.0]) for one in borne]
         assert pressing + crank + sum(bearings) == pytest.approx([0.0, 0.0, pressing[2]], abs=1e-9)
         moments = np.cross(point, pressing) + np.cross([0.0, 0.0, crank_at_mm], crank)
@@ -157,10 +160,7 @@ def test_bearings_of_helical_teeth_are_in_balance_in_space(torque_n_mm: float) -
         assert moments[:2] == pytest.approx([0.0, 0.0], abs=1e-6)
         assert shaft.thrust_n[0] == pressing[2]
         # Beside the gear the shaft is bent by what stands beyond: here by its first bearing alone, or by all but that.
-        before, behind = (
-            bending_moment_n_mm(shaft, (Bearing(-90.0, "ball"), Bearing(140.0, "ball")), crank_at_mm, one)
-            for one in gear_sides_mm(shaft)
-        )
+        before, behind = (bending_moment_n_mm(shaft, seats, one) for one in gear_sides_mm(shaft))
         assert before == pytest.approx(-borne[0] * 90.0, rel=1e-9)
         assert abs(behind - before)[0] == pytest.approx(np.hypot(*np.cross(point, pressing)[:2]), rel=1e-9)
 
@@ -279,26 +279,27 @@ def test_forces_and_stresses_of_shafts_against_many_more_places(gear: Gear) -> N
     knocking, around = drive(DESIGN).knocking, drive(DESIGN).design.drivetrain
     assert knocking is not None
     of_cycle = with_knocks(whole().demand.cycle, knocking)
-    found = whole().driving_shaft if gear is Gear.DRIVING else whole().driven_shaft
+    number = list(Gear).index(gear)
+    found = whole().shafts[number]
     assert around is not None
     assert around.driven_shaft is not None
     assert found is not None
     assert found.bearings is not None
     assert found.most_bent is not None
     assert found.shaft is not None
-    crank_at_mm = 0.0 if gear is Gear.DRIVING else around.driven_shaft.crank_at_mm
-    loads = shaft_loads(of_cycle, gear, np.linspace(of_cycle.breaks_rad[0], of_cycle.breaks_rad[-1], 100_001))
+    loads = shaft_loads(of_cycle, number, np.linspace(of_cycle.breaks_rad[0], of_cycle.breaks_rad[-1], 100_001))
     both = found.bearings[0].bearing, found.bearings[1].bearing
-    for one, force in zip(found.bearings, bearing_forces(loads, both, crank_at_mm), strict=True):
+    seats = Seats(both, crank_at_mm=0.0 if gear is Gear.DRIVING else around.driven_shaft.crank_at_mm)
+    for one, force in zip(found.bearings, bearing_forces(loads, seats), strict=True):
         assert 0.997 < np.abs(force).max() / one.largest_n.value < 1.0 + 1e-9
-    assert 0.997 < most_bent(loads, both, crank_at_mm).moment_n_mm / found.most_bent.moment_n_mm < 1.0 + 1e-9
+    assert 0.997 < most_bent(loads, seats).moment_n_mm / found.most_bent.moment_n_mm < 1.0 + 1e-9
     section, stresses = found.shaft.section, found.shaft.stresses
     resistance = pi * section.diameter_mm**3 / 32.0
-    torsion = np.abs(loads.torque_n_mm).max() / (2.0 * resistance)
+    torsion = np.abs(loads.gears[0].torque_n_mm).max() / (2.0 * resistance)
     assert 0.997 < torsion / (abs(stresses.torsion_mean_mpa) + stresses.torsion_amplitude_mpa) < 1.0 + 1e-9
     once = of_cycle.cycle_rad if gear is Gear.DRIVING else 2.0 * pi
     assert once == pytest.approx(2.0 * pi)  # each cycle sees the shaft as the one before
-    turning = bending_moment_n_mm(loads, both, crank_at_mm, 0.0) / resistance * np.exp(-1j * loads.turned_rad)
+    turning = bending_moment_n_mm(loads, seats, 0.0) / resistance * np.exp(-1j * loads.turned_rad)
     most = 0.0
     for fibre in np.linspace(0.0, 2.0 * pi, 721):
         seen = np.real(turning * np.exp(1j * fibre))
@@ -410,8 +411,8 @@ def rubbing_at(guide_friction: float) -> Cycle:
 @cache
 def demand(added_kg_mm2: float = 0.0, *, friction: bool = True) -> Demand:
     if not friction:
-        return Demand(rubbing_at(0.0), losses_of(rubbing_at(0.0), None, 0.0), added_kg_mm2)
-    return Demand(cycle(), losses_of(cycle(), 0.12, 0.05), added_kg_mm2)
+        return Demand(rubbing_at(0.0), losses_of(rubbing_at(0.0), (), 0.0), added_kg_mm2)
+    return Demand(cycle(), losses_of(cycle(), (0.12,), 0.05), added_kg_mm2)
 
 
 SMALL = """\
@@ -439,7 +440,7 @@ def small_drive() -> Drive:
 @cache
 def small(added_kg_mm2: float = 0.0) -> Demand:
     one = cycle_of(small_drive().rigid)
-    return Demand(one, losses_of(one, None, 0.0), added_kg_mm2)
+    return Demand(one, losses_of(one, (), 0.0), added_kg_mm2)
 
 
 @pytest.mark.slow
@@ -447,12 +448,12 @@ def small(added_kg_mm2: float = 0.0) -> Demand:
 def test_friction_in_the_guide_takes_its_work_and_leaves_the_useful_one(friction: float) -> None:
     """What the motor gives more is mu |N| of the way, by forces that count friction: so the rest stays the same."""
     smooth, rough = rubbing_at(0.0), rubbing_at(friction)
-    resistance = smooth.integral(smooth.loads.driving.torque_n_mm)
-    assert losses_of(rough, None, 0.0).useful_n_mm == pytest.approx(resistance, rel=1e-10)
-    assert rough.integral(rough.loads.driving.torque_n_mm) > (1.0 + 0.8 * friction) * resistance
+    resistance = smooth.integral(smooth.loads.driving_torque_n_mm)
+    assert losses_of(rough, (), 0.0).useful_n_mm == pytest.approx(resistance, rel=1e-10)
+    assert rough.integral(rough.loads.driving_torque_n_mm) > (1.0 + 0.8 * friction) * resistance
     # Negative control: the forces of a smooth guide take less work than is lost.
     lost = friction * smooth.integral(np.abs(smooth.loads.guide_n * smooth.loads.way_mm))
-    assert losses_of(rough, None, 0.0).guide_n_mm > (1.0 + 0.1 * friction) * lost
+    assert losses_of(rough, (), 0.0).guide_n_mm > (1.0 + 0.1 * friction) * lost
 
 
 @pytest.mark.slow
@@ -481,7 +482,7 @@ def test_a_key_and_the_teeth_bear_what_the_motor_gives(monkeypatch: pytest.Monke
     for friction in (0.0, 0.5):
         around = given.drivetrain.model_copy(update={"guide_friction": friction})
         one = Drive(given.model_copy(update={"drivetrain": around}))
-        shaft, most = one.drivetrain.driving_shaft, one.drivetrain.demand.torque_range_n_mm[1].value
+        shaft, most = one.drivetrain.shafts[0], one.drivetrain.demand.torque_range_n_mm[1].value
         assert shaft is not None
         assert shaft.key is not None
         made = shaft.key.key
@@ -528,8 +529,8 @@ def one_of(name: str) -> Demand:
 def test_means_over_the_cycle_against_simpsons_rule(name: str) -> None:
     """Work of the shaft as of the rigid level; the mean cube of the mesh force by Simpson's rule."""
     found, rigid = one_of(name).cycle, (small_drive() if name == "small" else drive(DESIGN)).rigid
-    assert found.integral(found.loads.driving.torque_n_mm) == pytest.approx(rigid.fluctuation.work_n_mm, rel=1e-12)
-    size = np.abs(found.loads.driven.gear_n)
+    assert found.integral(found.loads.driving_torque_n_mm) == pytest.approx(rigid.fluctuation.work_n_mm, rel=1e-12)
+    size = np.abs(found.loads.shafts[1].gears[0].force_n)
 
     def cube(phi1: Array) -> Array:
         force = rigid.machine.at(phi1).mesh_force.force
@@ -555,7 +556,7 @@ def test_forces_on_the_crank_shaft_are_in_balance(name: str) -> None:
     moving = 1e-3 * masses.crank_kg * machine.machine.speed_rad_s**2 * radial * (-(speed**2) - 1j * bend)
     weight = masses.crank_kg * complex(*masses.gravity_m_s2)
     on_crank = -(pin.x.value + 1j * pin.y.value)
-    assert_allclose(found.driven.crank_n, on_crank + weight - moving, atol=1e-9 * np.abs(on_crank).max())
+    assert_allclose(found.shafts[1].crank_n, on_crank + weight - moving, atol=1e-9 * np.abs(on_crank).max())
 
 
 @pytest.mark.tiers(quick=["small"], rest="slow")
@@ -584,12 +585,13 @@ def test_the_energy_of_losses_is_the_work_that_is_asked_for_more() -> None:
 @pytest.mark.parametrize("gear", Gear)
 def test_lives_count_by_the_angle_of_their_own_shaft(gear: Gear) -> None:
     """The equivalent load and speed of both bearings, by even steps of the driving angle and what each shaft turns."""
-    found, bearings = small().cycle, (Bearing(-30.0, "ball", 9000.0), Bearing(50.0, "roller", 9000.0))
-    lives = bearing_lives(found, gear, bearings, 80.0, WantedLife(1000.0, 90.0))
+    found, number = small().cycle, list(Gear).index(gear)
+    seats = Seats((Bearing(-30.0, "ball", 9000.0), Bearing(50.0, "roller", 9000.0)), crank_at_mm=80.0)
+    lives = bearing_lives(found, number, seats, WantedLife(1000.0, 90.0))
     places = np.unique(np.concatenate([np.linspace(*ends, 2001) for ends in pairwise(found.breaks_rad)]))
     middle = (places[1:] + places[:-1]) / 2.0
     turned = places if gear is Gear.DRIVING else found.rigid.machine.transmission.driven_angle(places, 0).value
-    forces = bearing_forces(shaft_loads(found, gear, middle), bearings, 80.0)
+    forces = bearing_forces(shaft_loads(found, number, middle), seats)
     for life, force, exponent in zip(lives, forces, (3.0, 10.0 / 3.0), strict=True):
         mean = (np.diff(turned) @ np.abs(force) ** exponent / (2.0 * pi)) ** (1.0 / exponent)
         assert life.equivalent_n == pytest.approx(mean, rel=1e-6)
@@ -914,18 +916,18 @@ def test_the_shipped_design_pinned() -> None:
     assert w * losses.useful_n_mm == pytest.approx(drive(DESIGN).massless_check.mean_power_w, rel=1e-9)
     whole_w = w * (losses.useful_n_mm + losses.guide_n_mm)
     assert whole_w == pytest.approx(drive(DESIGN).check.mean_power_w, rel=1e-9)
-    assert found.driving_shaft is not None
-    assert found.driven_shaft is not None
-    assert found.driving_shaft.bearings is not None
-    assert found.driven_shaft.bearings is not None
+    assert found.shafts[0] is not None
+    assert found.shafts[1] is not None
+    assert found.shafts[0].bearings is not None
+    assert found.shafts[1].bearings is not None
     # The gear in the middle: half the mesh force each, where friction pushes with the knock or against it
-    first, second = found.driving_shaft.bearings
+    first, second = found.shafts[0].bearings
     peaks = drive(DESIGN).knocking_peaks
     assert peaks is not None
     assert peaks.mesh is not None
     assert abs(2.0 * first.largest_n.value / peaks.mesh.force_n.value - 1.0) < 1.01 * losses.mesh_share
     assert second.equivalent_n == pytest.approx(first.equivalent_n, rel=1e-12)
-    assert found.driven_shaft.bearings[1].needed_rating_n == pytest.approx(53_610.0, rel=0.01)
+    assert found.shafts[1].bearings[1].needed_rating_n == pytest.approx(53_610.0, rel=0.01)
     assert found.motor is not None
     assert found.motor.course is not None
     assert found.motor.course.fluctuation == pytest.approx(0.06858, abs=2e-5)
@@ -935,7 +937,7 @@ def test_the_shipped_design_pinned() -> None:
 @pytest.mark.slow
 def test_half_the_positions_apart_twice_the_life_by_the_cube() -> None:
     """A bearing of twice the rating lasts eight times as long; one with the needed rating just as long as wanted."""
-    found = whole().driving_shaft
+    found = whole().shafts[0]
     assert found is not None
     assert found.bearings is not None
     one = found.bearings[0]

@@ -70,12 +70,19 @@ def shaft(**changes: Any) -> Any:
     )
     key = Made(pressure_mpa=50.0, safety=2.0, both_senses=False, key=Made(length_mm=20.0))
     values = {"bearings": (bearing(), bearing()), "most_bent": Made(moment_n_mm=7e4, at_mm=12.0), "shaft": part}
-    values |= {"key": key, "jammed": None, "jammed_key": None, "decided_by": {}, "enough_mm": 36.0}
+    values |= {
+        "words": "driving shaft",
+        "key": key,
+        "jammed": None,
+        "jammed_key": None,
+        "decided_by": {},
+        "enough_mm": 36.0,
+    }
     return Made(**values | changes)
 
 
 def result(**changes: Any) -> Any:
-    values = {"demand": DEMAND, "driving_shaft": shaft(), "driven_shaft": None, "wanted_fluctuation": 0.05}
+    values = {"demand": DEMAND, "shafts": (shaft(), None), "wanted_fluctuation": 0.05}
     values |= {"flywheel_kg_mm2": 2e6, "disc": None, "motor": motor(course=COURSE), "pto": None}
     return drivetrain_figures(Made(**values | changes))
 
@@ -94,9 +101,12 @@ def test_losses_are_powers_of_a_cycle() -> None:
 
 def test_shafts_and_bearings_in_their_units() -> None:
     jam = Made(
-        most_n_mm=8e5, largest_n=(Extremum(1.0, 0.0), Extremum(2.0, 0.0)), static_safety=(1.0, 2.0), yielding=1.5
+        torques_n_mm=(8e5, 6e5),
+        largest_n=(Extremum(1.0, 0.0), Extremum(2.0, 0.0)),
+        static_safety=(1.0, 2.0),
+        yielding=1.5,
     )
-    found = result(driving_shaft=shaft(jammed=jam))["driving_shaft"]
+    found = result(shafts=(shaft(jammed=jam),))["driving_shaft"]
     assert found["largest_bending_moment_n_m"] == pytest.approx(70.0)
     assert found["bearing_a"]["mean_speed_rpm"] == pytest.approx(60.0)
     assert found["jam"]["torque_n_m"] == pytest.approx(800.0)
@@ -151,27 +161,30 @@ def test_couplings_that_let_go() -> None:
     ]
 
 
+DRIVING, DRIVEN = (Made(words=f"{name} shaft", key=f"{name}_shaft") for name in ("driving", "driven"))
+
+
 def told(rows: Any) -> list[str]:
     return [f"{one.what}: {one.remedies[0].text}" for one in rows]
 
 
 def test_nothing_is_told_of_parts_that_hold() -> None:
-    assert not [*_of_bearings("driving", shaft(), 8000.0), *_of_shaft("driving", shaft()), *_of_jam("driving", shaft())]
+    assert not [*_of_bearings(DRIVING, shaft(), 8000.0), *_of_shaft(DRIVING, shaft()), *_of_jam(DRIVING, shaft())]
     assert not list(_of_motor(Made(), motor(), motor()))
 
 
 def test_parts_that_do_not_hold_are_told_with_values_that_do() -> None:
-    (life,) = told(_of_bearings("driving", shaft(bearings=(bearing(),)), 10_000.0))
+    (life,) = told(_of_bearings(DRIVING, shaft(bearings=(bearing(),)), 10_000.0))
     assert "9000 h, and 10000 h are wanted" in life
     assert "dynamic_rating_n: 26000" in life
-    (half,) = told(_of_bearings("driving", shaft(bearings=(bearing(within_iso_281=False),)), 1.0))
+    (half,) = told(_of_bearings(DRIVING, shaft(bearings=(bearing(within_iso_281=False),)), 1.0))
     assert "dynamic_rating_n: 6000" in half
-    (dented,) = told(_of_bearings("driving", shaft(bearings=(bearing(static_safety=0.9),)), 1.0))
+    (dented,) = told(_of_bearings(DRIVING, shaft(bearings=(bearing(static_safety=0.9),)), 1.0))
     assert "static_rating_n: 5000" in dented
 
     weak = shaft()
     weak.shaft.fatigue, weak.key.safety, weak.key.both_senses = 1.1, 0.5, True
-    bent, pressed, played = told(_of_shaft("driven", weak))
+    bent, pressed, played = told(_of_shaft(DRIVEN, weak))
     assert "1.1 against fatigue" in bent
     assert "diameter_mm: 36" in bent
     assert "50 MPa, and 25 MPa are allowed" in pressed
@@ -179,9 +192,9 @@ def test_parts_that_do_not_hold_are_told_with_values_that_do() -> None:
     assert "without play" in played
 
     weak.key.safety = 0.8
-    weak.jammed = Made(static_n=(9e3, 1e3), static_safety=(0.5, 3.0), yielding=1.2 / 8.0, most_n_mm=1.0)
+    weak.jammed = Made(static_n=(9e3, 1e3), static_safety=(0.5, 3.0), yielding=1.2 / 8.0)
     weak.jammed_key = weak.key
-    jam, yields, sheared = told(_of_jam("driven", weak))
+    jam, yields, sheared = told(_of_jam(DRIVEN, weak))
     assert "bearing a" in jam
     assert "static_rating_n: 9000" in jam
     assert "length_mm: 25" in sheared

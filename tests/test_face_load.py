@@ -57,7 +57,7 @@ def pressed(
     arm_mm: float = 1e6,
     couples_mm: tuple[float, float] = (0.0, 0.0),
 ) -> FaceLoads:
-    each = np.array([force_n]), np.array([stiffness]), np.array([crank_n])
+    each = np.array([force_n]), np.array([stiffness]), np.array([[0.0, crank_n]])
     return FaceLoads(*each, np.array([[arm_mm, arm_mm]]), np.array([couples_mm]))
 
 
@@ -70,14 +70,14 @@ def factor(model: FaceModel, loads: FaceLoads) -> float:
 def test_rigid_shafts_with_flanks_askew(force_n: float) -> None:
     """ISO 6336-1, method C: 1 + F c b / (2 F) where all flanks touch, sqrt(2 F c b / F) where a part does."""
     askew, stiffness = 0.01, 2e4
-    model = FaceModel((RIGID, RIGID), 0.0, WIDTH, askew, LeadForm())
+    model = FaceModel((RIGID, RIGID), (None, 0.0), WIDTH, askew, LeadForm())
     over = askew * stiffness * WIDTH / force_n
     expected = 1.0 + over / 2.0 if over <= 2.0 else sqrt(2.0 * over)
     assert factor(model, pressed(force_n, stiffness)) == pytest.approx(expected, rel=1e-6)
 
 
 def test_perfect_gears_on_rigid_shafts_bear_evenly() -> None:
-    model = FaceModel((RIGID, RIGID), 0.0, WIDTH, 0.0, LeadForm())
+    model = FaceModel((RIGID, RIGID), (None, 0.0), WIDTH, 0.0, LeadForm())
     assert factor(model, pressed(5000.0)) == pytest.approx(1.0, abs=1e-6)
     assert factor(model, pressed(0.0)) == 1.0
 
@@ -86,14 +86,14 @@ def test_crowned_flanks_on_rigid_shafts() -> None:
     """A parabola C (2 z / b)^2 that touches over the width a: F = 2 c C a^3 / (3 b^2), w = c C (a / b)^2."""
     for reach in (0.3, 0.8):
         force = 2.0 * 2e4 * 0.02 * reach**3 * WIDTH / 3.0
-        model = FaceModel((RIGID, RIGID), 0.0, WIDTH, 0.0, LeadForm(crowning_mm=0.02))
+        model = FaceModel((RIGID, RIGID), (None, 0.0), WIDTH, 0.0, LeadForm(crowning_mm=0.02))
         assert factor(model, pressed(force)) == pytest.approx(2e4 * 0.02 * reach**2 * WIDTH / force, rel=0.03)
 
 
 def test_end_relief_alone() -> None:
     """Ends that fall back by more than the load presses bear nothing: K is b over what is left between them."""
     lead = LeadForm(relief_mm=10.0, relief_length_mm=25.0)
-    model = FaceModel((RIGID, RIGID), 0.0, WIDTH, 0.0, lead)
+    model = FaceModel((RIGID, RIGID), (None, 0.0), WIDTH, 0.0, lead)
     assert factor(model, pressed(1000.0)) == pytest.approx(2.0, rel=1e-3)
 
 
@@ -151,10 +151,11 @@ def by_elements(model: FaceModel, loads: FaceLoads, count: int = 80) -> float:
     """
     width = model.width_mm
     across = (np.arange(count) + 0.5) * width / count - width / 2.0
-    shafts, matrices, teeth = model.shafts, [], []
-    for shaft in shafts:
-        spans = [one.at_mm for one in shaft.supports]
-        nodes = np.unique(np.concatenate([across, spans, [model.crank_at_mm], np.linspace(-200.0, 200.0, 41)]))
+    shafts, matrices, teeth, beside_rows = model.shafts, [], [], []
+    for shaft, place in zip(shafts, model.beside_mm, strict=True):
+        spans, beside = [one.at_mm for one in shaft.supports], 0.0 if place is None else place
+        nodes = np.unique(np.concatenate([across, spans, [beside], np.linspace(-200.0, 200.0, 41)]))
+        beside_rows.append(2 * int(np.searchsorted(nodes, beside)))
         matrices.append(beam_matrix(nodes, shaft.diameter_mm, shaft.supports))
         rows = 2 * np.searchsorted(nodes, across)
         pick = np.zeros((count, 2 * nodes.size))
@@ -163,7 +164,6 @@ def by_elements(model: FaceModel, loads: FaceLoads, count: int = 80) -> float:
             line = np.stack([np.ones(count), across], axis=1)
             pick = line @ np.linalg.pinv(line) @ pick
         teeth.append(pick)
-        crank_row = 2 * int(np.searchsorted(nodes, model.crank_at_mm))
     sizes = [len(one) for one in matrices]
     whole = np.zeros((sum(sizes) + 1, sum(sizes) + 1))
     whole[: sizes[0], : sizes[0]], whole[sizes[0] : -1, sizes[0] : -1] = matrices
@@ -179,7 +179,8 @@ def by_elements(model: FaceModel, loads: FaceLoads, count: int = 80) -> float:
             system = whole + stiffness * held.T @ held
             right = stiffness * held.T @ gap[bears]
             right[-1] += force
-            right[sizes[0] + crank_row] += float(loads.crank_n[0])
+            right[beside_rows[0]] += float(loads.beside_n[0, 0])
+            right[sizes[0] + beside_rows[1]] += float(loads.beside_n[0, 1])
             tilts = across / float(across @ across) * force * loads.couples_mm[0][:, None]
             right[:-1] += np.concatenate([one.T @ tilt for one, tilt in zip(teeth, tilts, strict=True)])
             ways = np.linalg.solve(system, right)
@@ -217,7 +218,7 @@ def test_shafts_on_bearings_against_finite_elements(
         SteelShaft(diameter, bodies * diameter, supports)
         for diameter, supports in zip((60.0, 80.0), SUPPORTS, strict=True)
     ]
-    model = FaceModel((shafts[0], shafts[1]), 160.0, WIDTH, askew_mm, lead)
+    model = FaceModel((shafts[0], shafts[1]), (None, 160.0), WIDTH, askew_mm, lead)
     # Bodies that hardly twist, which the elements do not know, by arms that are long.
     loads = pressed(force_n, crank_n=crank_n, couples_mm=couples_mm)
     found, expected = factor(model, loads), by_elements(model, loads)
@@ -225,10 +226,26 @@ def test_shafts_on_bearings_against_finite_elements(
     assert found == pytest.approx(expected, rel=0.01 if bodies == 1.0 else 0.003)
 
 
+@at_once(
+    ("second_n", "second_mm", "crank_n"),
+    [(25_000.0, -70.0, 0.0), (-25_000.0, 90.0, 10_000.0), (8000.0, -160.0, -20_000.0)],
+)
+def test_a_second_gear_on_the_driving_shaft_against_finite_elements(
+    second_n: float, second_mm: float, crank_n: float
+) -> None:
+    """As above, between its bearings and beyond; without its force K_Hbeta is another."""
+    shafts = SteelShaft(60.0, 60.0, SUPPORTS[0]), SteelShaft(80.0, 80.0, SUPPORTS[1])
+    model = FaceModel(shafts, (second_mm, 160.0), WIDTH, 0.01, LeadForm())
+    loads = replace(pressed(20_000.0), beside_n=np.array([[second_n, crank_n]]))
+    found = factor(model, loads)
+    assert found == pytest.approx(by_elements(model, loads), rel=0.01)
+    assert abs(found / factor(model, replace(loads, beside_n=np.array([[0.0, crank_n]]))) - 1.0) > 0.03
+
+
 def test_a_straight_body_on_a_slender_shaft() -> None:
     """Its load reaches the shaft as evenly as its place follows it: by elements, where that makes a third."""
     slender = SteelShaft(25.0, 2500.0, (Support(-70.0), Support(55.0)))
-    model = FaceModel((slender, slender), 160.0, WIDTH, 0.02, LeadForm())
+    model = FaceModel((slender, slender), (None, 160.0), WIDTH, 0.02, LeadForm())
     loads = pressed(20_000.0, crank_n=8000.0)
     assert factor(model, loads) == pytest.approx(by_elements(model, loads), rel=0.003)
 
@@ -241,12 +258,12 @@ def test_bodies_twist_by_a_closed_form() -> None:
     radius, stiffness = 25.0, 2e4
     pinion = SteelShaft(40.0, 2.0 * radius, (Support(-100.0), Support(100.0)))
     pinion = replace(pinion, diameter_mm=2.0 * radius, body_mm=2.0 * radius, supports=(Support(-51.0), Support(51.0)))
-    model = FaceModel((pinion, RIGID), 0.0, WIDTH, 0.0, LeadForm())
-    bent = FaceModel((replace(pinion, body_mm=2e3), RIGID), 0.0, WIDTH, 0.0, LeadForm())
+    model = FaceModel((pinion, RIGID), (None, 0.0), WIDTH, 0.0, LeadForm())
+    bent = FaceModel((replace(pinion, body_mm=2e3), RIGID), (None, 0.0), WIDTH, 0.0, LeadForm())
     at = places_mm(WIDTH, LeadForm())
     twisting = model._twist(at, np.array([[radius, inf]]))[0]
     # The driving gear twists against its end away from the crank, the driven gear against the crank's.
-    crank_far = replace(model, crank_at_mm=60.0)
+    crank_far = replace(model, beside_mm=(None, 60.0))
     ends = crank_far._twist(at, np.array([[radius, inf], [inf, radius]]))
     assert (ends[0, 0, 0], ends[1, -1, -1]) == (0.0, 0.0)
     assert min(ends[0, -1, -1], ends[1, 0, 0]) > 0.0
@@ -269,10 +286,11 @@ def test_a_body_of_plastic_bends_with_its_shaft() -> None:
 
 def test_wider_spans_are_worse() -> None:
     spans = [SteelShaft(60.0, 60.0, (Support(-half), Support(half))) for half in (100.0, 150.0, 200.0)]
-    found = [factor(FaceModel((one, RIGID), 0.0, WIDTH, 0.0, LeadForm()), pressed(20_000.0)) for one in spans]
+    found = [factor(FaceModel((one, RIGID), (None, 0.0), WIDTH, 0.0, LeadForm()), pressed(20_000.0)) for one in spans]
     crank = [
         factor(
-            FaceModel((RIGID, replace(one, body_mm=600.0)), 260.0, WIDTH, 0.0, LeadForm()), pressed(2e4, crank_n=2e4)
+            FaceModel((RIGID, replace(one, body_mm=600.0)), (None, 260.0), WIDTH, 0.0, LeadForm()),
+            pressed(2e4, crank_n=2e4),
         )
         for one in spans
     ]
@@ -290,8 +308,8 @@ def test_what_is_not_balanced_is_refused() -> None:
 def test_the_best_crowning_against_a_scan() -> None:
     """Two positions whose loads lean to different ends; a scan in steps of 0.2 um, and none for perfect gears."""
     shafts = RIGID, SteelShaft(80.0, 300.0, SUPPORTS[1])
-    model = FaceModel(shafts, 260.0, WIDTH, 0.015, LeadForm())
-    each = np.array([2e4, 1.5e4]), np.array([2e4, 1.4e4]), np.array([3e4, -1e4])
+    model = FaceModel(shafts, (None, 260.0), WIDTH, 0.015, LeadForm())
+    each = np.array([2e4, 1.5e4]), np.array([2e4, 1.4e4]), np.array([[0.0, 3e4], [0.0, -1e4]])
     loads = FaceLoads(*each, np.full((2, 2), 1e6), np.zeros((2, 2)))
     most = np.array([1.8e4, 1.5e4])
     found = best_crowning_mm(model, loads, most)
@@ -302,7 +320,7 @@ def test_the_best_crowning_against_a_scan() -> None:
     scanned = min(np.arange(0.0, 0.05, 2e-4), key=largest)
     assert found == pytest.approx(scanned, abs=5e-4)
     assert largest(found) < 0.95 * largest(0.0)
-    perfect = FaceModel((RIGID, RIGID), 0.0, WIDTH, 0.0, LeadForm())
+    perfect = FaceModel((RIGID, RIGID), (None, 0.0), WIDTH, 0.0, LeadForm())
     assert best_crowning_mm(perfect, loads, most) == 0.0
 
 
@@ -456,18 +474,18 @@ class TestBalerDrivetrain:
         """Beside the loads of bearings, which follow from the machine with its gears in their places."""
         drive = drives.drive("baler-drivetrain")
         loads = cycle_of(drive.rigid).loads
-        asked = drive.face_loading.asked
-        assert asked is not None
-        urge = np.where(loads.driven.torque_n_mm < 0.0, -1.0, 1.0)
-        force = np.abs(loads.driven.gear_n)
+        (first,), (second,) = (shaft.gears for shaft in loads.shafts)
+        urge = np.where(second.torque_n_mm < 0.0, -1.0, 1.0)
+        force = np.abs(second.force_n)
         found = drive.face_loading.pressing(loads.phi1_rad, urge, force, urge, 1.5, np.full(force.shape, 2.0))
         assert found.force_n == pytest.approx(3.0 * force)
-        towards = loads.driven.gear_n / np.abs(loads.driven.gear_n)
-        expected = 1.5 * np.real(loads.driven.crank_n * np.conj(towards))
-        assert found.crank_n == pytest.approx(expected, rel=1e-9, abs=1e-6 * np.abs(expected).max())
-        turning = np.abs(found.arms_mm * np.abs(loads.driven.gear_n)[:, None])
-        assert turning[:, 1] == pytest.approx(np.abs(loads.driven.torque_n_mm), rel=1e-9, abs=1.0)
-        assert turning[:, 0] == pytest.approx(np.abs(loads.driving.torque_n_mm), rel=1e-9, abs=1.0)
+        towards = second.force_n / np.abs(second.force_n)
+        expected = 1.5 * np.real(loads.shafts[1].crank_n * np.conj(towards))
+        assert found.beside_n[:, 1] == pytest.approx(expected, rel=1e-9, abs=1e-6 * np.abs(expected).max())
+        assert not found.beside_n[:, 0].any()
+        turning = np.abs(found.arms_mm * np.abs(second.force_n)[:, None])
+        assert turning[:, 1] == pytest.approx(np.abs(second.torque_n_mm), rel=1e-9, abs=1.0)
+        assert turning[:, 0] == pytest.approx(np.abs(first.torque_n_mm), rel=1e-9, abs=1.0)
 
     def test_the_load_along_the_width(self) -> None:
         """The leaning of the crank's overhang alone makes little, flanks askew by grade 8 more, crowning cures most."""
@@ -548,7 +566,7 @@ def test_bearings_without_a_rating_are_told() -> None:
     """They count as rigid, each by its key; none where nothing is computed."""
     stiff, soft = Support(-50.0), Support(60.0, 2e5)
     shafts = SteelShaft(40.0, 80.0, (stiff, soft)), SteelShaft(40.0, 80.0, (soft, stiff))
-    found = FaceLoading("computed", model=FaceModel(shafts, 90.0, 30.0, 0.0, LeadForm()))
+    found = FaceLoading("computed", model=FaceModel(shafts, (None, 90.0), 30.0, 0.0, LeadForm()))
     assert found.rigid_bearings == ["bearing_a of the driving shaft", "bearing_b of the driven shaft"]
     assert _rigid_words(found).endswith("bearing_b of the driven shaft count as rigid")
     assert FaceLoading("assumed").rigid_bearings == []

@@ -9,7 +9,7 @@ import pytest
 
 from commands import Run, on_text
 from drives import drive_of_text
-from ncgear.drivetrain.bearings import Bearing
+from ncgear.drivetrain.bearings import Bearing, Seats
 from ncgear.drivetrain.jam import HELD, Jam, deciding, jammed_shaft
 from ncgear.drivetrain.shafts import STEELS, ShaftSection
 from ncgear.dynamics.gaps import LEAST_IN_MODULES, WITHIN_IN_MODULES
@@ -133,20 +133,20 @@ def test_a_shaft_between_two_bearings_bears_a_jam_as_by_hand() -> None:
     assert one.jam is not None
     ends = Bearing(-20.0, "ball", 20_000.0, 4000.0), Bearing(60.0, "ball", 20_000.0)
     section = ShaftSection(16.0, 16.0, STEELS["C45"])
-    found = jammed_shaft(one.jam, Gear.DRIVING, ends, 0.0, section)
+    found = jammed_shaft(one.jam, 0, Seats(ends), section)
     assert [most.value for most in found.largest_n] == pytest.approx([0.75 * FORCE_N, 0.25 * FORCE_N])
     assert found.static_safety == (pytest.approx(4000.0 / (0.75 * FORCE_N)), None)
     bent = 0.75 * FORCE_N * 20.0 / (np.pi * 16.0**3 / 32.0)
     twisted = 1e3 * TORQUE_N_M / (np.pi * 16.0**3 / 16.0)
     assert found.yielding == pytest.approx(490.0 / np.sqrt(bent**2 + 3.0 * twisted**2), rel=1e-6)
-    assert found.most_n_mm == pytest.approx(1e3 * TORQUE_N_M)
+    assert found.torques_n_mm == (pytest.approx(1e3 * TORQUE_N_M),)
 
 
 @pytest.mark.slow
 def test_shafts_keys_and_bearings_bear_a_jam_as_by_hand() -> None:
     """T / (r cos 20 deg) at the gear, half of it at either bearing."""
     one = drive_of_text(text_of(1.0, AROUND))
-    found = one.drivetrain.driving_shaft
+    found = one.drivetrain.shafts[0]
     assert found is not None
     assert found.jammed is not None
     assert found.jammed_key is not None
@@ -162,7 +162,7 @@ def test_the_rod_of_a_held_slider_bears_what_its_triangle_says() -> None:
     one, force = drive_of_text(text_of(1.0, AROUND)), FORCE_N
     jam = Jam.of(one.rigid.machine, 1e3 * TORQUE_N_M, np.linspace(0.0, 2.0 * np.pi, 200))
     phi1 = np.array([0.01, 0.4, 1.2, 2.0, 3.1, 4.0, 5.5])
-    loads = jam.loads(Gear.DRIVEN, phi1)
+    loads = jam.shaft(1, phi1)
     # At phi = 0 the slider is next to the crank's axis; the rod leans by beta.
     beta = np.arcsin(40.0 * np.sin(phi1) / 150.0)
     way = 40.0 * np.sin(phi1) - 40.0 * np.cos(phi1) * np.tan(beta)
@@ -172,7 +172,7 @@ def test_the_rod_of_a_held_slider_bears_what_its_triangle_says() -> None:
     held = 1e3 * TORQUE_N_M / np.maximum(np.abs(way), fastest / 2.0)
     assert np.abs(loads.crank_n) == pytest.approx(held / np.cos(beta), rel=1e-6)
     assert np.abs(loads.crank_n.imag / loads.crank_n.real) == pytest.approx(np.abs(np.tan(beta)), abs=1e-9)
-    assert np.abs(loads.gear_n) == pytest.approx(np.full(7, force))
+    assert np.abs(loads.gears[0].force_n) == pytest.approx(np.full(7, force))
     near, far = np.abs(loads.crank_n[[0, 2]])
     assert near < 3.0 * far  # Without a bound it would be a hundred times as much.
 
@@ -219,7 +219,7 @@ def test_shafts_keys_bearings_and_joints_tell_which_load_decides(
     }
     halves |= {"knocks": knocking.mesh.force_n.value / 2.0} if knocking else {}
     assert max(halves, key=halves.__getitem__) == decides
-    for shaft in (found.driving_shaft, found.driven_shaft):
+    for shaft in (found.shafts[0], found.shafts[1]):
         for part, load in shaft.decided_by.items():
             if part.endswith("life") or part == "fatigue":  # Nothing tires of a jam.
                 assert load != "jam"

@@ -113,7 +113,7 @@ def test_a_knock_hurries_the_slider_as_newton_says() -> None:
     assert knocking is not None
     phi1 = knocking.turns_rad
     loads, machine = knocking.at(phi1), knocking.rigid.machine
-    assert loads.driven_torque.value == pytest.approx(knocking.borne.turning(phi1), rel=1e-9)
+    assert loads.driven_torque.value == pytest.approx(knocking.borne[0].turning(phi1), rel=1e-9)
     # Round gears: the crank turns as the driving gear does, and its inertia follows from the law's own torque.
     speed, step = machine.speed_rad_s, 1e-4
     place = [-40.0 * np.cos(q) + np.sqrt(150.0**2 - (40.0 * np.sin(q)) ** 2) for q in (phi1 - step, phi1, phi1 + step)]
@@ -121,7 +121,7 @@ def test_a_knock_hurries_the_slider_as_newton_says() -> None:
     whole = (
         knocking.rigid.at(phi1, np.ones_like(phi1)).driven_torque.value - knocking.rigid.at(phi1).driven_torque.value
     )
-    hurry = (knocking.borne.turning(phi1) - knocking.borne.asked(phi1)) / whole * speed**2
+    hurry = (knocking.borne[0].turning(phi1) - knocking.borne[0].asked(phi1)) / whole * speed**2
     pulled = 4.0 * 1e-3 * np.abs(bend * speed**2 + slope * hurry)
     along = np.abs(loads.joints["wrist"].x.value)
     assert along == pytest.approx(pulled, rel=1e-4, abs=1e-4 * pulled.max())
@@ -142,7 +142,7 @@ def test_flanks_of_round_gears_stand_as_they_are_made_however_hard_they_knock() 
 @pytest.mark.slow
 def test_bearings_bear_the_knocks_of_the_teeth() -> None:
     knocked, still = shaken(0.1, SHAFTS), shaken(0.0, SHAFTS)
-    pair, others = (one.drivetrain.driving_shaft.bearings[0] for one in (knocked, still))
+    pair, others = (one.drivetrain.shafts[0].bearings[0] for one in (knocked, still))
     peaks, knocking = knocked.knocking_peaks, knocked.knocking
     assert pair.largest_n.value == pytest.approx(peaks.mesh.force_n.value / 2.0, rel=0.02)
     assert pair.largest_n.value > 3.0 * others.largest_n.value

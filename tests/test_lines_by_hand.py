@@ -96,9 +96,9 @@ def test_a_bearing_is_within_iso_281_up_to_half_its_rating() -> None:
 
 @pytest.mark.judges("drivetrain")
 def test_an_efficiency_is_what_is_of_use_over_all_work() -> None:
-    losses = Losses(800.0, 1000.0, 0.5, 0.2, 0.1, 100.0)
+    losses = Losses(800.0, 1000.0, (0.5,), 0.2, 0.1, 100.0)
     assert (losses.mesh_n_mm, losses.efficiency) == (pytest.approx(100.0), pytest.approx(0.8))
-    little, least = (Losses(share * IDLE * 1000.0, 1000.0, 0.0, 0.2, 0.1, 0.0) for share in (2.0, 0.5))
+    little, least = (Losses(share * IDLE * 1000.0, 1000.0, (0.0,), 0.2, 0.1, 0.0) for share in (2.0, 0.5))
     assert (little.efficiency, least.efficiency) == (1.0, None)
 
 

@@ -273,7 +273,10 @@ def test_creep_is_that_of_the_data_sheet() -> None:
     middle = creep_factor("POM", 1000.0**0.5)
     assert middle == pytest.approx((2850.0 / 2500.0 * 2850.0 / 1300.0) ** 0.5)
     assert creep_factor("POM", 1e-4) == 1.0
-    assert creep_factor("PA66", 10.0) is None
+    assert creep_factor("PA66", 1.0) == pytest.approx(1400.0 / 1190.0)
+    assert creep_factor("PA66", 1000.0) == pytest.approx(1400.0 / 540.0)
+    for name in ("PA66-dry", "PA66-GF30", "PLA-print", "PETG-print"):
+        assert creep_factor(name, 10.0) is None
 
 
 def test_power_that_friction_takes() -> None:

@@ -87,9 +87,10 @@ def test_a_shaft_that_is_too_thin_grows_until_it_holds(fatigue: float, enough: b
 @pytest.mark.judges("project")
 def test_a_shaft_is_in_its_first_position_again_after_as_many_cycles_as_its_gear_has_lobes() -> None:
     machine = Made(transmission=Made(lobes=Made(driving=3)))
-    cycle: Any = Made(rigid=Made(place=Made(mesh=Made(sense=-1.0)), machine=machine), cycle_rad=2.0 * pi / 3.0)
-    assert drivetrain._cycles_rad(Gear.DRIVING, cycle) == pytest.approx(np.arange(3) * 2.0 * pi / 3.0)
-    assert drivetrain._cycles_rad(Gear.DRIVEN, cycle).tolist() == [0.0]
+    first = Made(mesh=Made(sense=-1.0), driven_sense=-1.0)
+    cycle: Any = Made(rigid=Made(places=(first,), machine=machine), cycle_rad=2.0 * pi / 3.0)
+    assert drivetrain._cycles_rad(0, cycle) == pytest.approx(np.arange(3) * 2.0 * pi / 3.0)
+    assert drivetrain._cycles_rad(1, cycle).tolist() == [0.0]
 
 
 @pytest.mark.judges("project")
@@ -98,10 +99,14 @@ def test_a_key_bears_over_its_height_in_the_hub() -> None:
 
     def key(depth: float | None = 3.4, height: float | None = None, yield_mpa: float | None = None) -> Any:
         keyway = None if depth is None else Made(depth_mm=depth)
-        design: Any = Made(gears=Made(driving=Made(keyway=keyway), driven=Made(keyway=None), face_width_mm=20.0))
-        given: Any = Made(key=Made(height_mm=height, length_mm=None, yield_mpa=yield_mpa))
+        given = Made(key=Made(height_mm=height, length_mm=None, yield_mpa=yield_mpa))
+        design: Any = Made(
+            gears=Made(driving=Made(keyway=keyway), driven=Made(keyway=None), face_width_mm=20.0),
+            shafts=[("driving shaft", "driving_shaft", given)],
+            gears_on=lambda number: ("driving",),
+        )
         section: Any = Made(yield_mpa=300.0, diameter_mm=40.0)
-        return drivetrain._key(design, Gear.DRIVING, given, section, np.array([-1e4, 6e4]))
+        return drivetrain._key(design, 0, section, [np.array([-1e4, 6e4])])
 
     free = drivetrain.FREE_HEIGHT_MM
     pressure = 60_000.0 / (20.0 * (3.4 - free) * 20.0)
@@ -216,7 +221,7 @@ def test_plastics_creep_by_the_time_that_a_tooth_is_loaded(monkeypatch: pytest.M
     """1.5 teeth share a load at every position; of 10 teeth each is loaded 0.15 of 100 h; the softer one counts."""
     asked: list[float] = []
     monkeypatch.setattr(surfaces, "Plastic", Made)
-    monkeypatch.setattr(surfaces, "creep_factor", lambda root, hours: asked.append(hours) or root)
+    monkeypatch.setattr(surfaces, "creep_factor", lambda name, hours: asked.append(hours) or name)
     contacts = Made(
         position=np.array([0, 1, 1, 2]),
         share=np.array([1.0, 1.0, 1.0, 9.0]),
@@ -224,7 +229,7 @@ def test_plastics_creep_by_the_time_that_a_tooth_is_loaded(monkeypatch: pytest.M
         stiffness_n_mm=np.array([100.0, 100.0, 1000.0, 100.0]),
     )
     loading: Any = Made(still=None, contacts=contacts, even=np.array([True, True, False]))
-    choices: Any = Made(entry=Made(root=2.0)), Made(entry=Made(root=3.0))
+    choices: Any = Made(entry=Made(name=2.0)), Made(entry=Made(name=3.0))
     running: Any = Made(teeth=(10, 15))
     found = surfaces._creep(loading, choices, Made(life_h=100.0), running)
     assert found is not None

@@ -125,9 +125,9 @@ pit: of their flanks wear alone is told.
 
 ## What is not covered
 
-Micropitting, fracture under a single blow beyond the static factors, creep of hot plastics and of others than POM, and
-vibration beyond K<sub>V</sub>. ISO 6336 and VDI 2736 are written for circular gears; for others, what follows is a
-local estimate.
+Micropitting, fracture under a single blow beyond the static factors, creep of hot plastics and of others than POM and
+moist PA66, and vibration beyond K<sub>V</sub>. ISO 6336 and VDI 2736 are written for circular gears; for others, what
+follows is a local estimate.
 """
 
 

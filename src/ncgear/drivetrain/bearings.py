@@ -1,7 +1,7 @@
 """The two bearings of a shaft: their forces over the cycle, and their life by ISO 281.
 
-A gear and a crank press on the shaft at places along it; the moments about either bearing give the force on the other
-one, in both directions across the shaft at once.  Gear and crank may sit between the bearings or beyond them.
+Gears and a crank press on the shaft at places along it; the moments about either bearing give the force on the other
+one, in both directions across the shaft at once.  Gears and crank may sit between the bearings or beyond them.
 
 The equivalent load is the mean of the forces over the angle that the shaft turns,
 
@@ -30,12 +30,11 @@ from math import inf, log, pi, radians, tan
 
 import numpy as np
 
-from ncgear.drivetrain.cycle import Cycle, LoadsAt, ShaftLoads
+from ncgear.drivetrain.cycle import Cycle, ShaftLoads
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.highest import largest_of_each
-from ncgear.pitch.shape import Gear
 
 EXPONENTS = {"ball": 3.0, "roller": 10.0 / 3.0}
 """Exponent of the life by the kind of bearing."""
@@ -63,6 +62,16 @@ class Bearing:
     stiffness_n_mm: float | None = None
     contact_angle_deg: float | None = None
     bears_thrust: bool = False
+
+
+@dataclass(frozen=True)
+class Seats:
+    """The places along a shaft in mm: its bearings, the middles of its gears, from the first of which all count, and
+    its crank."""
+
+    bearings: tuple[Bearing, Bearing]
+    gears_mm: tuple[float, ...] = (0.0,)
+    crank_at_mm: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -101,14 +110,14 @@ class BearingLife:
     within_iso_281: bool | None
 
 
-def bearing_forces(
-    loads: ShaftLoads, bearings: tuple[Bearing, Bearing], crank_at_mm: float
-) -> tuple[ComplexArray, ComplexArray]:
+def bearing_forces(loads: ShaftLoads, seats: Seats) -> tuple[ComplexArray, ComplexArray]:
     """The forces as x + i y in N that press on both bearings, shape (n,) each."""
-    first, second = (bearing.at_mm for bearing in bearings)
-    moment = loads.gear_n * (0.0 - first) + loads.crank_n * (crank_at_mm - first) + loads.couple_n_mm
-    on_second = moment / (second - first)
-    return loads.gear_n + loads.crank_n - on_second, on_second
+    first, second = (bearing.at_mm for bearing in seats.bearings)
+    pressing = [*(one.force_n for one in loads.gears), loads.crank_n]
+    arms = (at_mm - first for at_mm in (*seats.gears_mm, seats.crank_at_mm))
+    couples = (one.couple_n_mm for one in loads.gears)
+    on_second = sum((*(force * arm for force, arm in zip(pressing, arms, strict=True)), *couples)) / (second - first)
+    return np.asarray(sum(pressing) - on_second), np.asarray(on_second)
 
 
 DEEP_GROOVE = np.array(
@@ -182,30 +191,29 @@ def stiffness_n_mm(bearing: Bearing, force_n: float) -> float:
     return float(force_n / (7.68e-5 * most**0.9 / length**0.8))
 
 
-def bending_moment_n_mm(
-    loads: ShaftLoads, bearings: tuple[Bearing, Bearing], crank_at_mm: float, at_mm: float
-) -> ComplexArray:
+def bending_moment_n_mm(loads: ShaftLoads, seats: Seats, at_mm: float) -> ComplexArray:
     """The bending moment at a place along the shaft, (n,), as x + i y in the direction of the forces.
 
     The side with fewer forces is taken: beyond the outermost place it gives zero, without rounding errors.  A couple
-    makes it leap at the middle of the gear; ``gear_sides`` are the places beside it.
+    makes it leap at the middle of its gear; ``gear_sides`` are the places beside it.
     """
-    on_first, on_second = bearing_forces(loads, bearings, crank_at_mm)
-    places = 0.0, crank_at_mm, bearings[0].at_mm, bearings[1].at_mm
-    forces = loads.gear_n, loads.crank_n, -on_first, -on_second
+    on_first, on_second = bearing_forces(loads, seats)
+    places = *seats.gears_mm, seats.crank_at_mm, seats.bearings[0].at_mm, seats.bearings[1].at_mm
+    forces = *(one.force_n for one in loads.gears), loads.crank_n, -on_first, -on_second
     way = -1.0 if sum(place > at_mm for place in places) >= len(places) / 2 else 1.0
     beyond = (force * max(way * (place - at_mm), 0.0) for place, force in zip(places, forces, strict=True))
-    couple = way * loads.couple_n_mm if way * at_mm < 0.0 else np.zeros_like(loads.gear_n)
-    return np.asarray(sum(beyond, couple))
+    gears = zip(seats.gears_mm, loads.gears, strict=True)
+    couples = (way * one.couple_n_mm for place, one in gears if way * (at_mm - place) < 0.0)
+    return np.asarray(sum((*couples, *beyond)))
 
 
 BESIDE_MM = 1e-9
 """Way from the middle of a gear to the places beside it: less than rounding errors of moments."""
 
 
-def gear_sides_mm(loads: ShaftLoads) -> tuple[float, ...]:
-    """The places along a shaft at which its bending at the gear is looked at: two where thrust tilts the gear."""
-    return (-BESIDE_MM, BESIDE_MM) if loads.thrust_n.any() else (0.0,)
+def gear_sides_mm(loads: ShaftLoads, at_mm: float = 0.0) -> tuple[float, ...]:
+    """The places at which a shaft's bending is looked at by the gear at a place: two where thrust tilts a gear."""
+    return (at_mm - BESIDE_MM, at_mm + BESIDE_MM) if loads.thrust_n.any() else (at_mm,)
 
 
 @dataclass(frozen=True)
@@ -216,39 +224,36 @@ class Bend:
     at_mm: float
 
 
-def shaft_loads(cycle: Cycle, gear: Gear, phi1_rad: Array) -> ShaftLoads:
-    """The loads of the driving or of the driven shaft at driving angles in rad, shape (n,)."""
-    return _of(cycle.loads_at(phi1_rad), gear)
+def shaft_loads(cycle: Cycle, number: int, phi1_rad: Array) -> ShaftLoads:
+    """The loads of a shaft, counted from the driving shaft on, at driving angles in rad, shape (n,)."""
+    return cycle.loads_at(phi1_rad).shafts[number]
 
 
-def peak_places_rad(cycle: Cycle, gear: Gear, bearings: tuple[Bearing, Bearing], crank_at_mm: float) -> Array:
-    """The cycle's places, and the places of a shaft's greatest torque and greatest bending anywhere, shape (n,)."""
+def peak_places_rad(cycle: Cycle, number: int, seats: Seats) -> Array:
+    """The cycle's places, and the places of a shaft's greatest torques and greatest bending anywhere, shape (n,)."""
 
     def sizes(phi1: Array) -> Array:
-        shaft = shaft_loads(cycle, gear, phi1)
-        places = _places(shaft, bearings, crank_at_mm)
-        bending = [np.abs(bending_moment_n_mm(shaft, bearings, crank_at_mm, at)) for at in places]
-        return np.stack([*bending, shaft.torque_n_mm, -shaft.torque_n_mm])
+        shaft = shaft_loads(cycle, number, phi1)
+        bending = [np.abs(bending_moment_n_mm(shaft, seats, at)) for at in _places(shaft, seats)]
+        torques = (sign * one.torque_n_mm for one in shaft.gears for sign in (1.0, -1.0))
+        return np.stack([*bending, *torques])
 
     return np.union1d(cycle.places_rad, [peak.at for peak in largest_of_each(sizes, cycle.places_rad)])
 
 
-def _of(loads: LoadsAt, gear: Gear) -> ShaftLoads:
-    return loads.driving if gear is Gear.DRIVING else loads.driven
+def _places(loads: ShaftLoads, seats: Seats) -> set[float]:
+    sides = (at for gear_mm in seats.gears_mm for at in gear_sides_mm(loads, gear_mm))
+    return {*sides, seats.crank_at_mm, *(bearing.at_mm for bearing in seats.bearings)}
 
 
-def _places(loads: ShaftLoads, bearings: tuple[Bearing, Bearing], crank_at_mm: float) -> set[float]:
-    return {*gear_sides_mm(loads), crank_at_mm, *(bearing.at_mm for bearing in bearings)}
-
-
-def most_bent(loads: ShaftLoads, bearings: tuple[Bearing, Bearing], crank_at_mm: float) -> Bend:
+def most_bent(loads: ShaftLoads, seats: Seats) -> Bend:
     """The largest bending of a shaft at any of the n angles; it is at a place where a force presses on it."""
     bends = [
-        Bend(float(np.abs(bending_moment_n_mm(loads, bearings, crank_at_mm, place)).max()), place)
-        for place in _places(loads, bearings, crank_at_mm)
+        Bend(float(np.abs(bending_moment_n_mm(loads, seats, place)).max()), place) for place in _places(loads, seats)
     ]
     most = max(bends, key=lambda bend: bend.moment_n_mm)
-    return Bend(most.moment_n_mm, 0.0) if abs(most.at_mm) <= BESIDE_MM else most
+    near = (at for at in seats.gears_mm if abs(most.at_mm - at) <= BESIDE_MM)
+    return Bend(most.moment_n_mm, next(near, most.at_mm))
 
 
 def equivalent_load_n(force_n: Array, weight: Array, exponent: float) -> float:
@@ -274,41 +279,36 @@ def rating_for_n(load_n: float, kind: str, speed_rad_s: float, wanted: WantedLif
     return load_n * powered
 
 
-def bearing_lives(
-    cycle: Cycle, gear: Gear, bearings: tuple[Bearing, Bearing], crank_at_mm: float, wanted: WantedLife
-) -> tuple[BearingLife, BearingLife]:
-    """Both bearings of the driving or of the driven shaft."""
-    driving = gear is Gear.DRIVING
-    weight = cycle.weight_rad if driving else cycle.weight_rad * cycle.loads.driven_slope
+def bearing_lives(cycle: Cycle, number: int, seats: Seats, wanted: WantedLife) -> tuple[BearingLife, BearingLife]:
+    """Both bearings of a shaft, counted from the driving shaft on."""
+    whole = cycle.loads.shafts[number]
+    weight = cycle.weight_rad * whole.slope
     speed = cycle.speed_rad_s * float(weight.sum()) / cycle.cycle_rad
-    whole = _of(cycle.loads, gear)
-    peaks = largest_borne(lambda phi1: shaft_loads(cycle, gear, phi1), bearings, crank_at_mm, cycle.places_rad)
+    peaks = largest_borne(lambda phi1: shaft_loads(cycle, number, phi1), seats, cycle.places_rad)
     first, second = (
         _life(bearing, equivalent_load_n(lasting, weight, EXPONENTS[bearing.kind]), peak, speed, wanted)
-        for bearing, (lasting, *_), peak in zip(bearings, _borne(whole, bearings, crank_at_mm), peaks, strict=True)
+        for bearing, (lasting, *_), peak in zip(seats.bearings, _borne(whole, seats), peaks, strict=True)
     )
     return first, second
 
 
-def _borne(
-    loads: ShaftLoads, bearings: tuple[Bearing, Bearing], crank_at_mm: float
-) -> list[tuple[Array, Array, Array, Array]]:
+def _borne(loads: ShaftLoads, seats: Seats) -> list[tuple[Array, Array, Array, Array]]:
     """F, the force across the shaft, F_0 and the thrust in N of both bearings, shape (n,) each."""
-    found = []
-    for bearing, force in zip(bearings, bearing_forces(loads, bearings, crank_at_mm), strict=True):
-        across, along = np.abs(force), np.abs(loads.thrust_n) * bearing.bears_thrust
+    found, thrust = [], np.abs(loads.thrust_n)
+    for bearing, force in zip(seats.bearings, bearing_forces(loads, seats), strict=True):
+        across, along = np.abs(force), thrust * bearing.bears_thrust
         lasting, denting = combined_n(bearing, across, along)
         found.append((lasting, across, denting, along))
     return found
 
 
 def largest_borne(
-    loads_at: Callable[[Array], ShaftLoads], bearings: tuple[Bearing, Bearing], crank_at_mm: float, places_rad: Array
+    loads_at: Callable[[Array], ShaftLoads], seats: Seats, places_rad: Array
 ) -> list[tuple[Extremum, Extremum, Extremum]]:
     """The largest force across the shaft, F_0 and thrust of both bearings, searched between driving angles (n,)."""
 
     def sizes(phi1: Array) -> Array:
-        return np.concatenate([np.stack(rest) for _, *rest in _borne(loads_at(phi1), bearings, crank_at_mm)])
+        return np.concatenate([np.stack(rest) for _, *rest in _borne(loads_at(phi1), seats)])
 
     found = largest_of_each(sizes, places_rad)
     return [(found[row], found[row + 1], found[row + 2]) for row in (0, 3)]

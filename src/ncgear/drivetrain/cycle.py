@@ -7,13 +7,14 @@ loads are then exact to about 1e-12.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from math import pi
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ncgear.dynamics.loaded_machine import RigidMachine
+from ncgear.dynamics.loaded_machine import Loads, RigidMachine
 from ncgear.dynamics.mesh_force import MeshForce, MeshPlace
 from ncgear.dynamics.rigid import Rigid
 from ncgear.frozen import dataclass
@@ -37,93 +38,121 @@ of themselves (tests/test_drivetrain.py)."""
 
 
 @dataclass(frozen=True, eq=False)
-class ShaftLoads:
-    """Loads of one shaft at n driving angles, all of shape (n,).
+class GearLoads:
+    """Loads of one gear of a shaft at n driving angles, all of shape (n,).
 
-    ``turned_rad`` is the angle that the shaft has turned, counter-clockwise in the frame of the mechanism.  ``gear_n``
-    and ``crank_n`` are the forces as x + i y in N that press on the shaft where the gear and the crank are; the driving
-    shaft has no crank.  ``torque_n_mm`` is the torque that the shaft passes on at its gear.  Torque and force of the
-    driving shaft's gear are larger by the share that friction between the teeth takes: the motor's torque goes through
-    that shaft, its key and its bearings.  ``thrust_n`` is the force along the shaft, positive towards the side of the
-    gear's hub, and ``couple_n_mm`` the couple by which it tilts the gear (``MeshPlace.couples_mm``).
+    ``force_n`` presses on the shaft at the gear, as x + i y in N.  ``torque_n_mm`` is the torque that the shaft passes
+    on at the gear.  ``thrust_n`` is the force along the shaft, positive towards the side of the gear's hub, and
+    ``couple_n_mm`` the couple by which it tilts the gear (``MeshPlace.couples_mm``).
     """
 
-    turned_rad: Array
-    gear_n: ComplexArray
-    crank_n: ComplexArray
+    force_n: ComplexArray
     torque_n_mm: Array
     thrust_n: Array
     couple_n_mm: ComplexArray
 
-    @classmethod
-    def pair(
-        cls,
-        place: MeshPlace,
-        mesh: MeshForce,
-        angles_rad: tuple[Array, Jet],
-        crank_n: ComplexArray,
-        torques_n_mm: tuple[Array, Array],
-        rubbing: Array | float = 0.0,
-    ) -> tuple[ShaftLoads, ShaftLoads]:
-        """The driving and the driven shaft under the mesh force on the driven gear and the force of the crank.
 
-        ``angles_rad`` are phi1, and phi2 with its slope.  The driving gear bears ``rubbing`` of the mesh force beyond.
-        """
-        (driving, driven), force, thrust, more = angles_rad, complex_of(mesh.force), mesh.thrust_n.value, 1.0 + rubbing
-        tilting, tilted = (one * thrust for one in place.couples_mm(driven.derivative(1)))
-        turned, idle = -place.mesh.sense * driving, np.zeros_like(force)
-        return (
-            cls(turned, -force * more, idle, torques_n_mm[0], -thrust * more, tilting * more),
-            cls(-driven.value, force, crank_n, torques_n_mm[1], thrust, tilted),
-        )
+@dataclass(frozen=True, eq=False)
+class ShaftLoads:
+    """Loads of one shaft at n driving angles, all of shape (n,).
+
+    ``turned_rad`` is the angle that the shaft has turned, counter-clockwise in the frame of the mechanism, and
+    ``slope`` how fast it turns by the driving angle.  ``gears`` has a shaft between two pairs twice, the gear that is
+    driven first.  ``crank_n`` presses on the last shaft where the crank is.  Friction between the teeth makes torques
+    and forces larger on all gears before them, since the motor's torque goes through these.
+    """
+
+    turned_rad: Array
+    slope: Array
+    gears: tuple[GearLoads, ...]
+    crank_n: ComplexArray
+
+    @property
+    def thrust_n(self) -> Array:
+        """The force of all gears along the shaft."""
+        return np.asarray(sum(one.thrust_n for one in self.gears))
+
+
+def shafts_of(
+    places: Sequence[MeshPlace],
+    meshes: Sequence[MeshForce],
+    angles: Sequence[Jet],
+    torques_n_mm: Sequence[tuple[Array, Array]],
+    crank_n: ComplexArray,
+    shares: Sequence[float] = (),
+) -> tuple[ShaftLoads, ...]:
+    """The loads of all shafts, from the driving shaft on, under the mesh forces on the driven gears and the crank.
+
+    ``angles`` are the angles of all shafts by the driving angle, with their slopes, and ``torques_n_mm`` those at the
+    driving and the driven gear of each pair.  ``shares`` are the parts of a pair's torque that its friction takes.
+    """
+    gears: list[list[GearLoads]] = [[] for _ in angles]
+    for pair, (place, mesh, torques) in enumerate(zip(places, meshes, torques_n_mm, strict=True)):
+        slopes = angles[pair].derivative(1), angles[pair + 1].derivative(1)
+        force, thrust, couples = complex_of(mesh.force), mesh.thrust_n.value, place.couples_mm(slopes[1] / slopes[0])
+        for end, sign in ((0, -1.0), (1, 1.0)):
+            share = float(sum(shares[pair + end :]))
+            more = 1.0 + share * np.sign(torques[end])
+            torque = with_tooth_friction(torques[end], share)
+            one = GearLoads(sign * force * more, torque, sign * thrust * more, couples[end] * thrust * more)
+            gears[pair + end].append(one)
+    senses = [places[0].driven_sense * places[0].mesh.sense, *(place.driven_sense for place in places)]
+    idle = np.zeros_like(crank_n)
+    return tuple(
+        ShaftLoads(sense * angle.value, angle.derivative(1), tuple(own), crank_n if angle is angles[-1] else idle)
+        for sense, angle, own in zip(senses, angles, gears, strict=True)
+    )
 
 
 @dataclass(frozen=True, eq=False)
 class LoadsAt:
     """The loads of a machine with gears at n driving angles, shape (n,).
 
-    ``driven_slope`` is dphi2/dphi1 and ``way_mm`` the slider's way in mm per rad of phi1; ``guide_n`` presses the
-    slider on its guide.
+    ``shafts`` are those of all shafts, from the driving shaft on, and ``way_mm`` is the slider's way in mm per rad of
+    phi1; ``guide_n`` presses the slider on its guide.
     """
 
     phi1_rad: Array
-    driven_slope: Array
-    driving: ShaftLoads
-    driven: ShaftLoads
+    shafts: tuple[ShaftLoads, ...]
     guide_n: Array
     way_mm: Array
 
+    @property
+    def driving_torque_n_mm(self) -> Array:
+        """The torque at the first gear."""
+        return self.shafts[0].gears[0].torque_n_mm
 
-def with_tooth_friction(driving_torque: Array, mesh_share: float) -> Array:
-    """The driving torque plus its share that friction between the teeth takes, which always resists."""
-    return driving_torque + mesh_share * np.abs(driving_torque)
+
+def with_tooth_friction(torque_n_mm: Array, mesh_share: float) -> Array:
+    """A torque plus its share that friction between the teeth takes, which always resists."""
+    return torque_n_mm + mesh_share * np.abs(torque_n_mm)
 
 
 def loads_at(
-    rigid: RigidMachine, phi1_rad: Array, mesh_share: float = 0.0, knocking: KnockingMachine | None = None
+    rigid: RigidMachine,
+    phi1_rad: Array,
+    mesh_shares: Sequence[float] = (),
+    at: Callable[[Array], Loads] | None = None,
 ) -> LoadsAt:
     """The loads at driving angles in rad; the machine must have gears.
 
-    ``mesh_share`` is the share of the driving torque's size that friction between the teeth takes.  With ``knocking``
-    the loads are those of a machine whose teeth knock.
+    ``mesh_shares`` are the shares of their torque's size that friction between the teeth of all pairs takes.  The loads
+    are those of the law, or those ``at`` driving angles of knocks or a jam.
 
-    The crank turns clockwise in the frame of the mechanism, the driving gear against it or, inside a ring, with it.
+    The crank turns clockwise in the frame of the mechanism, the gears of a pair against each other or, inside a ring,
+    with each other.
     """
-    loads = (knocking or rigid).at(phi1_rad)
-    assert rigid.place is not None
-    mesh, torque = loads.mesh_force, loads.driving_torque.value
-    angle = rigid.machine.transmission.driven_angle(phi1_rad, 1)
-    driving, driven = ShaftLoads.pair(
-        rigid.place,
-        mesh,
-        (phi1_rad, angle),
-        # All forces on the crank's shaft are in balance with the forces of its bearings
-        -complex_of(loads.crank_bearing) - complex_of(mesh.force),
-        (with_tooth_friction(torque, mesh_share), loads.driven_torque.value),
-        mesh_share * np.sign(torque),
-    )
+    loads, angles = (at or rigid.at)(phi1_rad), rigid.angles(phi1_rad, 1)
+    speeds = [angle.derivative(1) for angle in angles]
+    torques = [
+        (passed.value / speeds[pair], passed.value / speeds[pair + 1]) for pair, passed in enumerate(loads.passed)
+    ]
+    torques[-1] = torques[-1][0], loads.driven_torque.value
+    # All forces on the crank's shaft are in balance with the forces of its bearings
+    crank_n = -complex_of(loads.crank_bearing) - complex_of(loads.mesh_force.force)
+    shafts = shafts_of(rigid.places, loads.meshes, angles, torques, crank_n, mesh_shares)
     way = rigid.machine.displacement(phi1_rad, 1).derivative(1)
-    return LoadsAt(phi1_rad, angle.derivative(1), driving, driven, loads.guide.value, way)
+    return LoadsAt(phi1_rad, shafts, loads.guide.value, way)
 
 
 def complex_of(force: Vector) -> ComplexArray:
@@ -136,21 +165,22 @@ class Cycle:
     """One cycle of a machine: where its loads have kinks, and its loads at n Gauss points.
 
     ``breaks_rad`` (shape (m,)) are the driving angles between which loads and their sizes are smooth, ends included.
-    ``weight_rad`` (shape (n,)) are the weights of an integral over the driving angle.  ``mesh_share`` is the share of
-    the driving torque that friction between the teeth takes, which its loads count.  With ``knocking`` they are the
-    loads of teeth that knock.
+    ``weight_rad`` (shape (n,)) are the weights of an integral over the driving angle.  ``mesh_shares`` are the shares
+    of its torque that friction between the teeth of each pair takes, which its loads count.  With ``knocking`` they are
+    the loads of teeth that knock.
     """
 
     rigid: RigidMachine
     breaks_rad: Array
     weight_rad: Array
     loads: LoadsAt
-    mesh_share: float = 0.0
+    mesh_shares: tuple[float, ...] = ()
     knocking: KnockingMachine | None = None
 
     def loads_at(self, phi1_rad: Array) -> LoadsAt:
         """The loads at driving angles in rad, shape (n,)."""
-        return loads_at(self.rigid, phi1_rad, self.mesh_share, self.knocking)
+        at = None if self.knocking is None else self.knocking.at
+        return loads_at(self.rigid, phi1_rad, self.mesh_shares, at)
 
     @property
     def places_rad(self) -> Array:
@@ -172,10 +202,10 @@ class Cycle:
         return float(np.sum(self.weight_rad * values))
 
 
-def rubbing(cycle: Cycle, mesh_share: float) -> Cycle:
-    """The cycle with the share of the driving torque that friction between the teeth takes."""
-    loads = loads_at(cycle.rigid, cycle.loads.phi1_rad, mesh_share)
-    return replace(cycle, loads=loads, mesh_share=mesh_share)
+def rubbing(cycle: Cycle, mesh_shares: tuple[float, ...]) -> Cycle:
+    """The cycle with the shares of the torque that friction between the teeth of each pair takes."""
+    loads = loads_at(cycle.rigid, cycle.loads.phi1_rad, mesh_shares)
+    return replace(cycle, loads=loads, mesh_shares=mesh_shares)
 
 
 def with_knocks(cycle: Cycle, knocking: KnockingMachine) -> Cycle:
@@ -184,7 +214,7 @@ def with_knocks(cycle: Cycle, knocking: KnockingMachine) -> Cycle:
     turns = first + (knocking.turns_rad - first) % cycle.cycle_rad
     breaks = apart(np.concatenate([cycle.breaks_rad, turns]), first, last)
     points, weights = gauss_points(panels_between(breaks, WIDEST_RAD), NODES)
-    loads = loads_at(cycle.rigid, points, cycle.mesh_share, knocking)
+    loads = loads_at(cycle.rigid, points, cycle.mesh_shares, knocking.at)
     return replace(cycle, breaks_rad=breaks, weight_rad=weights, loads=loads, knocking=knocking)
 
 

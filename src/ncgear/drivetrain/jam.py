@@ -15,19 +15,17 @@ from typing import Literal
 
 import numpy as np
 
-from ncgear.drivetrain.bearings import Bearing, bending_moment_n_mm, gear_sides_mm, largest_borne
-from ncgear.drivetrain.cycle import ShaftLoads, complex_of
+from ncgear.drivetrain.bearings import Seats, bending_moment_n_mm, gear_sides_mm, largest_borne
+from ncgear.drivetrain.cycle import ShaftLoads, loads_at
 from ncgear.drivetrain.shafts import ShaftSection
-from ncgear.dynamics.loaded_machine import RigidMachine
-from ncgear.dynamics.mesh_force import MeshForce, mesh_force
-from ncgear.dynamics.rigid import LoadPeaks, MeshPeak
+from ncgear.dynamics.loaded_machine import Loads, RigidMachine
+from ncgear.dynamics.rigid import LoadPeaks, searched_peaks
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.forces import EvenPace, JointForces
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.highest import largest_of_each
 from ncgear.numerics.jet import Jet
-from ncgear.pitch.shape import Gear
 
 Load = Literal["law", "knocks", "swings", "jam"]
 """Load of a part: the law, teeth that knock, a driven side that swings on its teeth, or a jam."""
@@ -65,51 +63,26 @@ class Jam:
         (fastest,) = largest_of_each(lambda phi1: np.abs(_held(rigid, phi1).torque_n_mm.value)[None], places_rad)
         return cls(rigid, driving_n_mm, places_rad, HELD * fastest.value)
 
-    def loads(self, gear: Gear, phi1_rad: Array) -> ShaftLoads:
-        """The loads of the shaft of a gear at driving angles, shape (n,)."""
-        place, angle = self.rigid.place, self.rigid.machine.transmission.driven_angle(phi1_rad, 1)
-        assert place is not None
-        held, output = self._held(phi1_rad)
-        driving, driven = ShaftLoads.pair(
-            place,
-            self._mesh(phi1_rad),
-            (phi1_rad, angle),
-            -complex_of(held.crank_axis) * output,
-            (np.full(phi1_rad.shape, self.driving_n_mm), self._driven_n_mm(phi1_rad)),
-        )
-        return driving if gear is Gear.DRIVING else driven
+    def at(self, phi1_rad: Array) -> Loads:
+        """The loads at driving angles in rad, shape (n,): every pair passes on the torque of the driving gear."""
+        rigid, angles, held = self.rigid, self.rigid.angles(phi1_rad, 2), _held(self.rigid, phi1_rad)
+        slope, driving = angles[-1].differentiated(), Jet(np.full((1, *phi1_rad.shape), self.driving_n_mm))
+        driven, passed = driving / slope.truncated(0), (driving,) * len(rigid.places)
+        way = held.torque_n_mm.value
+        output = driven.value / (np.where(way < 0.0, -1.0, 1.0) * np.maximum(np.abs(way), self.least_way_mm))
+        mesh, before = rigid.meshes(slope, driven, angles[1:-1], passed)
+        assert mesh is not None
+        joints = {name: force * output for name, force in held.joints.items()}
+        bearing = held.crank_axis * output - mesh.force
+        return Loads(driving, driven, joints, bearing, held.guide_n * output, mesh, before, passed)
+
+    def shaft(self, number: int, phi1_rad: Array) -> ShaftLoads:
+        """The loads of a shaft, counted from the driving shaft on, at driving angles, shape (n,)."""
+        return loads_at(self.rigid, phi1_rad, (), self.at).shafts[number]
 
     def peaks(self) -> LoadPeaks:
         """The largest forces of a cycle, in the form of a running machine."""
-        linkage = self.rigid.machine.linkage
-
-        def sizes(phi1: Array) -> Array:
-            held, output = self._held(phi1)
-            bearing = -complex_of(held.crank_axis) * output + complex_of(self._mesh(phi1).force)
-            joints = (complex_of(held.joints[name]) * output for name in linkage.JOINTS)
-            guide = np.zeros(phi1.shape) + held.guide_n.value * output
-            return np.asarray(np.abs(np.stack([*joints, bearing, complex_of(self._mesh(phi1).force), guide])))
-
-        *joints, bearing, mesh, guide = largest_of_each(sizes, self.places_rad)
-        steep = self._mesh(np.array([mesh.at])).pressure_angle_rad.value
-        return LoadPeaks(
-            dict(zip(linkage.JOINTS, joints, strict=True)), bearing, guide, MeshPeak(mesh, float(steep[0]))
-        )
-
-    def _driven_n_mm(self, phi1_rad: Array) -> Array:
-        return np.asarray(self.driving_n_mm / self.rigid.machine.transmission.driven_angle(phi1_rad, 1).derivative(1))
-
-    def _mesh(self, phi1_rad: Array) -> MeshForce:
-        place, torque = self.rigid.place, Jet(self._driven_n_mm(phi1_rad)[None])
-        assert place is not None
-        return mesh_force(place, self.rigid.machine.transmission.driven_angle(phi1_rad, 2).differentiated(), torque)
-
-    def _held(self, phi1_rad: Array) -> tuple[JointForces, Array]:
-        """The forces of 1 N (or N mm) against the output, and the force that holds it, shape (n,)."""
-        held = _held(self.rigid, phi1_rad)
-        way = held.torque_n_mm.value
-        counted = np.where(way < 0.0, -1.0, 1.0) * np.maximum(np.abs(way), self.least_way_mm)
-        return held, self._driven_n_mm(phi1_rad) / counted
+        return searched_peaks(self.at, self.rigid.machine.linkage, self.places_rad)
 
 
 def _held(rigid: RigidMachine, phi1_rad: Array) -> JointForces:
@@ -122,28 +95,28 @@ def _held(rigid: RigidMachine, phi1_rad: Array) -> JointForces:
 @dataclass(frozen=True)
 class JammedShaft:
     """A shaft in a jam: both bearings' largest force across the shaft, the same with thrust, and static safety, if
-    rated; the keyway's safety, if given; torque."""
+    rated; the keyways' least safety, if given; the torque at each gear."""
 
     largest_n: tuple[Extremum, Extremum]
     static_n: tuple[float, float]
     static_safety: tuple[float | None, float | None]
     yielding: float | None
-    most_n_mm: float
+    torques_n_mm: tuple[float, ...]
 
 
-def jammed_shaft(
-    jam: Jam, gear: Gear, bearings: tuple[Bearing, Bearing], crank_at_mm: float, section: ShaftSection | None
-) -> JammedShaft:
-    """The largest loads of a gear's shaft and bearings in a jam; yielding is the full section's, as in ``shafts``."""
+def jammed_shaft(jam: Jam, number: int, seats: Seats, section: ShaftSection | None) -> JammedShaft:
+    """The largest loads of a shaft and its bearings in a jam; yielding is the full section's, as in ``shafts``."""
 
     def sizes(phi1: Array) -> Array:
-        loads = jam.loads(gear, phi1)
-        bent = [np.abs(bending_moment_n_mm(loads, bearings, crank_at_mm, at)) for at in gear_sides_mm(loads)]
-        # sigma^2 + 3 tau^2 of a full section, times its resistance.
-        return np.stack([np.sqrt(np.max(bent, axis=0) ** 2 + 0.75 * loads.torque_n_mm**2), loads.torque_n_mm])
+        loads, strained = jam.shaft(number, phi1), list[Array]()
+        for at_mm, gear in zip(seats.gears_mm, loads.gears, strict=True):
+            bent = [np.abs(bending_moment_n_mm(loads, seats, at)) for at in gear_sides_mm(loads, at_mm)]
+            # sigma^2 + 3 tau^2 of a full section, times its resistance.
+            strained.append(np.sqrt(np.max(bent, axis=0) ** 2 + 0.75 * gear.torque_n_mm**2))
+        return np.stack([np.max(strained, axis=0), *(gear.torque_n_mm for gear in loads.gears)])
 
-    strained, torque = largest_of_each(sizes, jam.places_rad)
-    borne = largest_borne(lambda phi1: jam.loads(gear, phi1), bearings, crank_at_mm, jam.places_rad)
+    strained, *torques = largest_of_each(sizes, jam.places_rad)
+    borne = largest_borne(lambda phi1: jam.shaft(number, phi1), seats, jam.places_rad)
     (first, _, _), (second, _, _) = borne
     dents = borne[0][1].value, borne[1][1].value
     safety = None
@@ -152,6 +125,7 @@ def jammed_shaft(
         safety = section.yield_mpa * resistance_mm3 / strained.value if strained.value else inf
     static = [
         None if one.static_rating_n is None else one.static_rating_n / most
-        for one, most in zip(bearings, dents, strict=True)
+        for one, most in zip(seats.bearings, dents, strict=True)
     ]
-    return JammedShaft((first, second), dents, (static[0], static[1]), safety, torque.value)
+    turning = tuple(one.value for one in torques)
+    return JammedShaft((first, second), dents, (static[0], static[1]), safety, turning)

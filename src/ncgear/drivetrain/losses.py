@@ -18,10 +18,11 @@ The demand on the driving shaft: at the speed w_0 the torque is T = T1 + share |
 level, which counts friction in the guide, and the share that the teeth take.  A machine that turns at another speed w
 has the energy J(phi) w^2 / 2, with everything that moves in the inertia J reduced to the driving shaft,
 
-    J = J_shaft + M(phi2) phi2'^2
+    J = J_shaft + M(phi2) phi2'^2 + sum of J_between S'^2
 
-where M is the crank's reduced inertia (``ncgear.dynamics.crank_load``).  The part of T that accelerates masses at
-constant speed is J' w_0^2 / 2; the rest, A = T - J' w_0^2 / 2, is needed at any speed.  So
+where M is the crank's reduced inertia (``ncgear.dynamics.crank_load``) and S the angle of a shaft between two pairs.
+The part of T that accelerates masses at constant speed is J' w_0^2 / 2; the rest, A = T - J' w_0^2 / 2, is needed at
+any speed.  So
 
     d(J w^2 / 2) / dphi = T_drive - A
 
@@ -66,19 +67,32 @@ BLOCK = 1024
 
 @dataclass(frozen=True, eq=False)
 class Losses:
-    """Work in N mm per cycle at even speed; ``useful_n_mm`` excludes the guide's, ``mesh_loss_factor`` is H."""
+    """Work in N mm per cycle at even speed.
+
+    ``useful_n_mm`` excludes the guide's.  ``mesh_loss_factors`` are H of all pairs of gears; empty where not known.
+    """
 
     useful_n_mm: float
     moved_n_mm: float
-    mesh_loss_factor: float | None
+    mesh_loss_factors: tuple[float, ...]
     mesh_friction: float
     guide_friction: float
     guide_n_mm: float
 
     @property
+    def mesh_shares(self) -> tuple[float, ...]:
+        """Shares of its torque's size that friction between the teeth of each pair takes."""
+        return tuple(self.mesh_friction * one for one in self.mesh_loss_factors)
+
+    @property
     def mesh_share(self) -> float:
-        """Share of the driving torque's size that friction between the teeth takes."""
-        return self.mesh_friction * (self.mesh_loss_factor or 0.0)
+        """Share of the driving torque's size that friction between all teeth takes."""
+        return float(sum(self.mesh_shares))
+
+    @property
+    def mesh_loss_factor(self) -> float | None:
+        """H of all pairs together; None where it is not known."""
+        return float(sum(self.mesh_loss_factors)) if self.mesh_loss_factors else None
 
     @property
     def mesh_n_mm(self) -> float:
@@ -93,14 +107,14 @@ class Losses:
         return self.useful_n_mm / (self.useful_n_mm + self.mesh_n_mm + self.guide_n_mm)
 
 
-def losses_of(cycle: Cycle, mesh_loss_factor: float | None, mesh_friction: float) -> Losses:
+def losses_of(cycle: Cycle, mesh_loss_factors: tuple[float, ...], mesh_friction: float) -> Losses:
     """The losses of a cycle whose loads do not count friction between the teeth."""
     loads, guide_friction = cycle.loads, cycle.rigid.guide_friction
     guide_n_mm = guide_friction * cycle.integral(np.abs(loads.guide_n * loads.way_mm))
     return Losses(
-        useful_n_mm=cycle.integral(loads.driving.torque_n_mm) - guide_n_mm,
-        moved_n_mm=cycle.integral(np.abs(loads.driving.torque_n_mm)),
-        mesh_loss_factor=mesh_loss_factor,
+        useful_n_mm=cycle.integral(loads.driving_torque_n_mm) - guide_n_mm,
+        moved_n_mm=cycle.integral(np.abs(loads.driving_torque_n_mm)),
+        mesh_loss_factors=mesh_loss_factors,
         mesh_friction=mesh_friction,
         guide_friction=guide_friction,
         guide_n_mm=guide_n_mm,
@@ -233,12 +247,16 @@ class Demand:
     def inertia(self, phi1_rad: Array) -> tuple[Array, Array]:
         """J in N mm s^2 and its slope by the driving angle, at driving angles in rad, shape (n,) each."""
         rigid = self.cycle.rigid
-        angle = rigid.machine.transmission.driven_angle(phi1_rad, 2)
+        *between, angle = rigid.angles(phi1_rad, 2)[1:]
         moving = rigid.machine.linkage.moving_masses(Jet.variable(angle.value, 2), rigid.masses)
         inertia, change = reduced_inertia(moving, rigid.masses)
         slope, bend = angle.derivative(1), angle.derivative(2)
         whole = rigid.masses.driving_shaft_kg_mm2 + self.added_kg_mm2 + inertia * slope**2
-        return N_PER_KG_MM_S2 * whole, N_PER_KG_MM_S2 * (change * slope**3 + 2.0 * inertia * slope * bend)
+        change = change * slope**3 + 2.0 * inertia * slope * bend
+        for one_kg_mm2, turned in zip(rigid.masses.between_inertia_kg_mm2, between, strict=False):
+            whole = whole + one_kg_mm2 * turned.derivative(1) ** 2
+            change = change + 2.0 * one_kg_mm2 * turned.derivative(1) * turned.derivative(2)
+        return N_PER_KG_MM_S2 * whole, N_PER_KG_MM_S2 * change
 
     def at_any_speed_n_mm(self, phi1_rad: Array) -> Array:
         """A at driving angles in rad, shape (n,)."""

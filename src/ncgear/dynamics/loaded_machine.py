@@ -64,8 +64,12 @@ class Loads:
     @property
     def between_bearings(self) -> tuple[Vector, ...]:
         """The forces of their bearings on the shafts between pairs of gears, from the driving shaft on."""
-        meshes = [one for one in (*self.meshes_before, self.mesh) if one is not None]
-        return tuple(after.force - one.force for one, after in pairwise(meshes))
+        return tuple(after.force - one.force for one, after in pairwise(self.meshes))
+
+    @property
+    def meshes(self) -> tuple[MeshForce, ...]:
+        """All meshes, from the driving shaft on."""
+        return self.meshes_before if self.mesh is None else (*self.meshes_before, self.mesh)
 
     @property
     def mesh_force(self) -> MeshForce:
@@ -91,20 +95,39 @@ class RigidMachine:
     laws_before: tuple[Transmission, ...] = ()
     places_before: tuple[MeshPlace, ...] = ()
 
+    @property
+    def places(self) -> tuple[MeshPlace, ...]:
+        """The places of all pairs of gears, from the driving shaft on."""
+        return self.places_before if self.place is None else (*self.places_before, self.place)
+
+    def angles(self, phi1: Array, order: int) -> list[Jet]:
+        """The angles of all shafts, from the driving shaft on, as jets by the driving angle, shape (n,)."""
+        first, last = Jet.variable(phi1, order), self.machine.transmission.driven_angle(phi1, order)
+        return [first, *turned_after(self.laws_before, phi1, order), last]
+
     def loads(
-        self, phi1: Array, driven_angle: Jet, resistance_n: Jet, returning: Mask, of_law: Jet | None = None
+        self,
+        phi1: Array,
+        driven_angle: Jet,
+        resistance_n: Jet,
+        returning: Mask,
+        of_law: Jet | None = None,
+        borne: Sequence[Array] = (),
     ) -> Loads:
         """The loads at driving angles, shape (n,), for a crank angle as a jet by them.
 
         Loads and resistance have two orders less than the angle; ``returning`` (shape (n,)) tells the stroke.
-        ``of_law`` is the crank angle of the law that the gears were made for, where it is another angle.
+        ``of_law`` is the crank angle of the law that the gears were made for, where it is another angle, and ``borne``
+        are the torques in N mm on the driven gears before the last, shape (n,), where these knock.
         """
         pace = EvenPace(self.machine.speed_rad_s)
         joints = self._joints(driven_angle, pace, resistance_n, returning)
         slope, torque = (of_law or driven_angle).differentiated(), joints.torque_n_mm
         between = turned_after(self.laws_before, phi1, driven_angle.order)
         passed = self._passed(slope.truncated(torque.order) * torque, between, pace)
-        mesh, meshes_before = self._meshes(slope, torque, between, passed)
+        knocked = [Jet((one * angle.derivative(1))[None]) for one, angle in zip(borne, between, strict=False)]
+        passed = (*knocked, *passed[len(knocked) :])
+        mesh, meshes_before = self.meshes(slope, torque, between, passed)
         return Loads(
             driving_torque=passed[0],
             driven_torque=torque,
@@ -116,16 +139,18 @@ class RigidMachine:
             passed=passed,
         )
 
-    def at(self, phi1: Array, beyond: Array | None = None) -> Loads:
+    def at(self, phi1: Array, beyond: Array | None = None, borne: Sequence[Array] = ()) -> Loads:
         """The loads at driving angles in rad, shape (n,); right-hand limits at joints of the law.
 
-        ``beyond`` (shape (n,)) is the excess of d2phi2/dphi1^2 over the law's, as where teeth part and knock.
+        ``beyond`` (shape (n,)) is the excess of d2phi2/dphi1^2 over the law's, as where teeth part and knock, and
+        ``borne`` are the torques on the driven gears of the pairs before the last then.
         """
         driven = of_law = self.machine.transmission.driven_angle(phi1, 2)
         if beyond is not None:
             driven = of_law + Jet(np.stack([0.0 * beyond, 0.0 * beyond, beyond / 2.0]))
         returning = ~self.machine.working(driven.value)
-        return self.loads(phi1, driven, self._resistance_n(driven.truncated(0), returning), returning, of_law)
+        resistance_n = self._resistance_n(driven.truncated(0), returning)
+        return self.loads(phi1, driven, resistance_n, returning, of_law, borne)
 
     def coming_back(self, phi1: Array) -> Loads:
         """The loads at driving angles in rad, shape (n,), on the way back of gears that turn less than once."""
@@ -204,7 +229,7 @@ class RigidMachine:
             key="drivetrain.guide_friction",
         )
 
-    def _meshes(
+    def meshes(
         self, slope: Jet, torque: Jet, between: Sequence[Jet], passed: Sequence[Jet]
     ) -> tuple[MeshForce | None, tuple[MeshForce, ...]]:
         """The mesh that turns the crank, and those before it; ``slope`` and ``torque`` are the crank's."""

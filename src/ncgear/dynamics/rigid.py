@@ -29,8 +29,10 @@ from ncgear.dynamics.mesh_force import MeshForce, MeshPlace
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import stretches
+from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum, extremes, grid_between
+from ncgear.numerics.highest import largest_of_each
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.plane import Vector
 from ncgear.numerics.units import in_words
@@ -109,6 +111,25 @@ def load_peaks(rigid: RigidMachine) -> LoadPeaks:
         meshes_before=tuple(_mesh_peak(rigid, cycle, _one("meshes_before", number)) for number in before),
         between_bearings_n=tuple(largest_over(rigid, cycle, _one("between_bearings", number)) for number in before),
     )
+
+
+def searched_peaks(at: Callable[[Array], Loads], linkage: Mechanism, places_rad: Array) -> LoadPeaks:
+    """Peaks of loads ``at`` driving angles that have no slopes, searched between ``places_rad``, shape (n,)."""
+
+    def sizes(phi1: Array) -> Array:
+        loads = at(phi1)
+        forces = [*(loads.joints[name] for name in linkage.JOINTS), loads.crank_bearing, *loads.between_bearings]
+        forces += [mesh.force for mesh in loads.meshes]
+        lengths = (np.hypot(force.x.value, force.y.value) for force in forces)
+        return np.stack([np.abs(np.zeros(phi1.shape) + loads.guide.value), *lengths])
+
+    guide, *found = largest_of_each(sizes, places_rad)
+    joints, (bearing, *others) = found[: len(linkage.JOINTS)], found[len(linkage.JOINTS) :]
+    between, pairs = others[: len(others) // 2], others[len(others) // 2 :]
+    steep = (at(np.array([one.at])).meshes[pair].pressure_angle_rad.value for pair, one in enumerate(pairs))
+    *before, mesh = (MeshPeak(one, float(angle[0])) for one, angle in zip(pairs, steep, strict=True))
+    named = dict[str, Extremum](zip(linkage.JOINTS, joints, strict=True))
+    return LoadPeaks(named, bearing, guide, mesh, tuple(before), tuple(between))
 
 
 def _joint(name: str) -> Callable[[Loads], Vector]:

@@ -25,10 +25,9 @@ def drivetrain_figures(found: DrivetrainResult) -> dict[str, Any]:
 
     A driving angle belongs to the key before it, and None stands where nothing has been given or nothing limits.
     """
-    shafts = {"driving_shaft": found.driving_shaft, "driven_shaft": found.driven_shaft}
     return {
         "losses": _losses(found),
-        **{name: _shaft(one) for name, one in shafts.items() if one is not None and one.bearings is not None},
+        **{one.words.replace(" ", "_"): _shaft(one) for one in found.shafts if one is not None and one.bearings},
         "flywheel": _flywheel(found),
         **({"motor": _motor(found.motor)} if found.motor else {}),
         **({"pto": _pto(found.pto, found.demand)} if found.pto else {}),
@@ -76,7 +75,7 @@ def _shaft(found: ShaftResult) -> dict[str, Any]:
             "torque_changes_sense": found.key.both_senses,
         }
     if found.jammed is not None:
-        jam: dict[str, Any] = {"torque_n_m": N_M_PER_N_MM * found.jammed.most_n_mm}
+        jam: dict[str, Any] = {"torque_n_m": N_M_PER_N_MM * max(found.jammed.torques_n_mm)}
         for letter, most, safety in zip("ab", found.jammed.largest_n, found.jammed.static_safety, strict=True):
             jam |= {**extreme(f"bearing_{letter}_force", "n", most), f"bearing_{letter}_static_safety": safety}
         if found.jammed.yielding is not None:

@@ -7,13 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ncgear.design.words import listed
 from ncgear.figures.csv_text import rows_text
 from ncgear.figures.numbers import fixed, known, placed, to_digits
 from ncgear.figures.quantities import figure
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.strength.film import Regime
-from ncgear.strength.plastics import CREEP_C
+from ncgear.strength.material import MaterialFamily
+from ncgear.strength.plastics import CREEP_C, CREEP_MPA
 from ncgear.strength.vibration import RESONANCE
 
 if TYPE_CHECKING:
@@ -104,7 +106,9 @@ def surfaces_rows(drive: Drive, found: Surfaces) -> list[tuple[str, str]]:
     ]
     if not heat or not found.judged:
         return rows
-    gives_way = "not judged, because no creep modulus of these plastics is known here"
+    plastics = {one.name for one in drive.materials if one.family is MaterialFamily.PLASTIC}
+    unknown = listed(sorted(plastics - CREEP_MPA.keys()), "and")
+    gives_way = f"not judged, because no creep modulus of {unknown} is known here"
     if creep is not None:
         # No limit is known by which it is judged
         ways = f"{to_digits(creep.at_once_mm, 2)} mm at once, {to_digits(creep.after_mm, 2)} mm"

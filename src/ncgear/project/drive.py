@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import chain
 from time import perf_counter
 from typing import TYPE_CHECKING
 
@@ -221,41 +222,44 @@ class Drive(Geared):
 
         if self.design.drivetrain is None:
             raise WrongInput("missing; it tells bearings, shafts, motor and more around the gears", key="drivetrain")
-        self.require_one_pair()
         rigid, knocking, jam = self.rigid, self.knocking, self.jam
-        touching = None if self.helix else TouchingTeeth(self.teeth, self.pitch, self.designed_contact)
+        straight = self.by_stage if self.helix is None else ()
+        touching = [(TouchingTeeth(one.teeth, one.pitch, one.designed_contact), one.pair) for one in straight]
         with self.stopwatch("drivetrain"):
             return drivetrain_of(self.design, rigid, touching, knocking, jam)
 
     @computed
     def jam(self) -> Jam | None:
-        """The machine with a blocked output; None where no overload is given, and for two pairs in series."""
+        """The machine with a blocked output; None where no overload is given."""
         from ncgear.drivetrain.jam import Jam
         from ncgear.kinematics.motion import sample_angles
 
         overload = self.conditions.overload
-        if overload is None or self.design.stages > 1:
+        if overload is None:
             return None
-        return Jam.of(self.rigid.machine, overload.driving_n_mm, sample_angles(self.pair.transmission))
+        return Jam.of(self.rigid.machine, overload.driving_n_mm, sample_angles(self.transmission))
 
     @computed
     def knocks(self) -> tuple[Knock, ...] | None:
-        """The knocks of the teeth in a turn of the driven gear; None where they are not computed or are refused."""
+        """The knocks of all teeth in a turn of the driven gear; None where they are not computed or are refused."""
         try:
-            return self.loading_by(self.design.strength.method).knocks
+            found = [one.loading_by(self.design.strength.method).knocks for one in self.by_stage]
         except DesignError:
             # Shafts and bearings are judged even if the teeth are refused.
             return None
+        each = [one for one in found if one is not None]
+        return tuple(chain.from_iterable(each)) if len(each) == len(found) else None
 
     @computed
     def knocking(self) -> KnockingMachine | None:
-        """The loaded machine with the knocks of its teeth; None without knocks, and for two pairs in series."""
+        """The loaded machine with the knocks of its teeth; None without knocks."""
         from ncgear.dynamics.knocking import KnockingMachine
 
-        if self.design.stages > 1 or not self.knocks:
+        if not self.knocks:
             return None
-        borne = self.loading_by(self.design.strength.method).borne
-        return None if borne is None else KnockingMachine(self.rigid.machine, borne)
+        each = [one.loading_by(self.design.strength.method).borne for one in self.by_stage]
+        borne = tuple(one for one in each if one is not None)
+        return KnockingMachine(self.rigid.machine, self.law.train.pairs, borne) if len(borne) == len(each) else None
 
     @computed
     def knocking_peaks(self) -> LoadPeaks | None:
@@ -265,7 +269,7 @@ class Drive(Geared):
         if self.knocking is None:
             return None
         with self.stopwatch("knocks"):
-            return self.knocking.peaks(sample_angles(self.pair.transmission))
+            return self.knocking.peaks(sample_angles(self.transmission))
 
     @computed
     def motor_stall(self) -> Stall | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field, replace
 from functools import partial
 from math import inf
@@ -10,11 +10,11 @@ from math import inf
 import numpy as np
 
 from ncgear.design.keys.design import Design
-from ncgear.design.keys.drivetrain import DrivingShaft, PowerTakeOff
+from ncgear.design.keys.drivetrain import PowerTakeOff
 from ncgear.drivetrain.bearings import (
-    Bearing,
     BearingLife,
     Bend,
+    Seats,
     WantedLife,
     bearing_lives,
     bending_moment_n_mm,
@@ -23,7 +23,7 @@ from ncgear.drivetrain.bearings import (
     peak_places_rad,
     shaft_loads,
 )
-from ncgear.drivetrain.cycle import Cycle, cycle_of, with_knocks
+from ncgear.drivetrain.cycle import Cycle, cycle_of, loads_at, with_knocks
 from ncgear.drivetrain.jam import Jam, JammedShaft, Load, deciding, jammed_shaft
 from ncgear.drivetrain.losses import Demand, TouchingTeeth, mesh_loss_factor
 from ncgear.drivetrain.pto import Excursion, running_ahead, slipping
@@ -46,16 +46,16 @@ from ncgear.dynamics.rigid import Rigid
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray
-from ncgear.pitch.shape import Gear
-from ncgear.project.face_load import bearings_of
+from ncgear.project.face_load import diameter_of, seats_of
 from ncgear.project.motor import MotorResult, demand_of, motor_of
+from ncgear.ratio.transmission import Pair
 
 N_MM_PER_N_M = 1000.0
 
 
 @dataclass(frozen=True, eq=False)
 class ShaftResult:
-    """The bearings, the shaft with its largest moment, and the key of one gear; each None where it is not given.
+    """The bearings, the shaft with its largest moment, and its weakest key; each None where it is not given.
 
     They are the results of the law or of knocks, whichever are worse.  ``decided_by`` has the deciding load of each
     part, or the jam where a part is loaded most by it.  ``enough_mm`` is the diameter with which a failing shaft would
@@ -63,6 +63,7 @@ class ShaftResult:
     jam; None where no jam counts.
     """
 
+    words: str
     bearings: tuple[BearingLife, BearingLife] | None
     most_bent: Bend | None
     shaft: ShaftSafety | None
@@ -83,7 +84,7 @@ class PowerTakeOffResult:
 
 @dataclass(frozen=True, eq=False)
 class DrivetrainResult:
-    """The machine parts around the gears of a design.
+    """The machine parts around the gears of a design; ``shafts`` from the driving shaft on.
 
     ``flywheel_kg_mm2`` is the inertia on the driving shaft, including its gear and the motor, that the wanted
     coefficient of fluctuation ``wanted_fluctuation`` needs for the torque with losses.  ``disc`` gives the part of it
@@ -92,8 +93,7 @@ class DrivetrainResult:
 
     wanted: WantedLife
     demand: Demand
-    driving_shaft: ShaftResult | None
-    driven_shaft: ShaftResult | None
+    shafts: tuple[ShaftResult | None, ...]
     wanted_fluctuation: float
     flywheel_kg_mm2: float
     disc: FlywheelDisc | None
@@ -102,9 +102,13 @@ class DrivetrainResult:
 
 
 def drivetrain_of(
-    design: Design, rigid: Rigid, touching: TouchingTeeth | None, knocking: KnockingMachine | None, jam: Jam | None
+    design: Design,
+    rigid: Rigid,
+    touching: Sequence[tuple[TouchingTeeth, Pair]],
+    knocking: KnockingMachine | None,
+    jam: Jam | None,
 ) -> DrivetrainResult:
-    """The drivetrain of a design that has the section; ``touching`` is None where the teeth are helical.
+    """The drivetrain of a design that has the section; ``touching`` are its pairs, none where teeth are helical.
 
     Shafts, keys and bearings carry the loads of the law, or of ``knocking`` where these are worse, and besides them the
     ``jam``.  The motor does not feel the knocks: its shaft turns evenly.  Raises WrongInput where a part needs a value
@@ -114,19 +118,17 @@ def drivetrain_of(
     assert given is not None
     assert masses is not None
     wanted = WantedLife(given.life_h, given.reliability_percent)
-    demand = demand_of(design, rigid, None if touching is None else _loss_factor(touching, cycle_of(rigid)))
+    demand = demand_of(design, rigid, _loss_factors(touching, cycle_of(rigid)) if touching else ())
     cycles: dict[Load, Cycle] = {"law": demand.cycle}
     if knocking:
         cycles["knocks"] = with_knocks(demand.cycle, knocking)
     needed = demand.fluctuation.flywheel_kg_mm2(masses.flywheel.speed_fluctuation)
     missing = needed - rigid.machine.masses.driving_shaft_kg_mm2 - demand.added_kg_mm2
     diameter = given.flywheel_diameter_mm
-    crank_at_mm = given.driven_shaft.crank_at_mm if given.driven_shaft else 0.0
     return DrivetrainResult(
         wanted=wanted,
         demand=demand,
-        driving_shaft=_shaft(design, Gear.DRIVING, given.driving_shaft, 0.0, cycles, wanted, jam),
-        driven_shaft=_shaft(design, Gear.DRIVEN, given.driven_shaft, crank_at_mm, cycles, wanted, jam),
+        shafts=tuple(_shaft(design, number, cycles, wanted, jam) for number, _ in enumerate(design.shafts)),
         wanted_fluctuation=masses.flywheel.speed_fluctuation,
         flywheel_kg_mm2=needed,
         disc=disc(missing, diameter, demand.speed_rad_s) if diameter and missing > 0.0 else None,
@@ -135,38 +137,37 @@ def drivetrain_of(
     )
 
 
-def _loss_factor(touching: TouchingTeeth, cycle: Cycle) -> float:
-    def torques(phi1: Array) -> tuple[Array, Array]:
-        loads = cycle.rigid.at(phi1)
-        return loads.driving_torque.value, loads.driven_torque.value
+def _loss_factors(touching: Sequence[tuple[TouchingTeeth, Pair]], cycle: Cycle) -> tuple[float, ...]:
+    """H of all pairs of gears, each by the angles of its own driving gear."""
+    found = []
+    for number, (teeth, pair) in enumerate(touching):
 
-    return mesh_loss_factor(touching, torques, cycle.breaks_rad)
+        def torques(angle_rad: Array, number: int = number, pair: Pair = pair) -> tuple[Array, Array]:
+            shafts = loads_at(cycle.rigid, pair.shaft_rad(angle_rad)).shafts
+            return shafts[number].gears[-1].torque_n_mm, shafts[number + 1].gears[0].torque_n_mm
+
+        breaks = cycle.rigid.angles(cycle.breaks_rad, 0)[number].value
+        found.append(mesh_loss_factor(teeth, torques, breaks))
+    return tuple(found)
 
 
 def _shaft(
-    design: Design,
-    gear: Gear,
-    given: DrivingShaft | None,
-    crank_at_mm: float,
-    cycles: Mapping[Load, Cycle],
-    wanted: WantedLife,
-    jam: Jam | None,
+    design: Design, number: int, cycles: Mapping[Load, Cycle], wanted: WantedLife, jam: Jam | None
 ) -> ShaftResult | None:
-    """The shaft of a gear under the worst of all loads; raises WrongInput where diameter or keyway is missing."""
+    """A shaft under the worst of all loads; raises WrongInput where diameter or keyway is missing."""
+    given = design.shafts[number].given
     if given is None:
         return None
-    if (bearings := bearings_of(given)) is None:
-        return ShaftResult(None, None, None, None)
-    results = {
-        load: _shaft_of(design, gear, given, bearings, crank_at_mm, cycle, wanted) for load, cycle in cycles.items()
-    }
+    if (seats := seats_of(given)) is None:
+        return ShaftResult(design.shafts[number].words, None, None, None, None)
+    results = {load: _shaft_of(design, number, seats, cycle, wanted) for load, cycle in cycles.items()}
     sizes = {load: _sizes(one) for load, one in results.items()}
     law, *knocks = results.values()
     found = _worse(law, *knocks) if knocks else law
     if jam is not None:
         section = found.shaft.section if found.shaft else None
-        jammed = jammed_shaft(jam, gear, bearings, crank_at_mm, section)
-        key = _key(design, gear, given, section, np.array([jammed.most_n_mm])) if section else None
+        jammed = jammed_shaft(jam, number, seats, section)
+        key = _key(design, number, section, [np.array([most]) for most in jammed.torques_n_mm]) if section else None
         found = replace(found, jammed=jammed, jammed_key=key)
         sizes["jam"] = _sizes_in_jam(jammed, key)
     decided = {part: deciding({load: of[part] for load, of in sizes.items() if part in of}) for part in sizes["law"]}
@@ -219,43 +220,40 @@ def _worse_bearing(law: BearingLife, knocks: BearingLife) -> BearingLife:
     return replace(found, static_n=bears.static_n, static_safety=bears.static_safety)
 
 
-def _shaft_of(
-    design: Design,
-    gear: Gear,
-    given: DrivingShaft,
-    bearings: tuple[Bearing, Bearing],
-    crank_at_mm: float,
-    cycle: Cycle,
-    wanted: WantedLife,
-) -> ShaftResult:
-    gears, name = design.gears, gear.value
-    assert gears is not None
-    places = peak_places_rad(cycle, gear, bearings, crank_at_mm)
-    loads = shaft_loads(cycle, gear, places)
-    lives = bearing_lives(cycle, gear, bearings, crank_at_mm, wanted)
-    bent = most_bent(loads, bearings, crank_at_mm)
+def _shaft_of(design: Design, number: int, seats: Seats, cycle: Cycle, wanted: WantedLife) -> ShaftResult:
+    words, name, given = design.shafts[number]
+    assert given is not None
+    places = peak_places_rad(cycle, number, seats)
+    loads = shaft_loads(cycle, number, places)
+    lives = bearing_lives(cycle, number, seats, wanted)
+    bent = most_bent(loads, seats)
     if not given.has_strength:
-        return ShaftResult(lives, bent, None, None)
-    body = gears.driving if gear is Gear.DRIVING else gears.driven
-    diameter = given.diameter_mm or body.bore_mm
-    if diameter is None:
-        raise WrongInput(f"missing; gears.{name} has no bore that tells it", key=f"drivetrain.{name}_shaft.diameter_mm")
+        return ShaftResult(words, lives, bent, None, None)
+    if (diameter := diameter_of(design, number)) is None:
+        raise WrongInput(
+            f"missing; a gear of the {words} has no bore that tells it", key=f"drivetrain.{name}.diameter_mm"
+        )
     steel = STEELS[given.steel] if given.steel else Steel(given.tensile_mpa or 0.0, given.yield_mpa or 0.0)
     section = ShaftSection(diameter, given.blank_mm or diameter, steel)
 
-    def borne(phi1: Array, beside_mm: float) -> tuple[ComplexArray, Array, Array]:
-        at = shaft_loads(cycle, gear, phi1)
-        return bending_moment_n_mm(at, bearings, crank_at_mm, beside_mm), at.torque_n_mm, at.turned_rad
+    def borne(phi1: Array, gear: int, beside_mm: float) -> tuple[ComplexArray, Array, Array]:
+        at = shaft_loads(cycle, number, phi1)
+        return bending_moment_n_mm(at, seats, beside_mm), at.gears[gear].torque_n_mm, at.turned_rad
 
-    turned_rad = _cycles_rad(gear, cycle)
-    shafts = [BentShaft(partial(borne, beside_mm=at), places, turned_rad) for at in gear_sides_mm(loads)]
+    turned_rad = _cycles_rad(number, cycle)
+    shafts = [
+        BentShaft(partial(borne, gear=gear, beside_mm=beside), places, turned_rad)
+        for gear, at in enumerate(seats.gears_mm)
+        for beside in gear_sides_mm(loads, at)
+    ]
 
     def of_diameter(diameter_mm: float) -> ShaftSafety:
         thick = ShaftSection(diameter_mm, max(diameter_mm, section.blank_mm), steel)
         return min((shaft_safety(thick, one) for one in shafts), key=lambda found: min(found.fatigue, found.yielding))
 
-    safety, key = of_diameter(diameter), _key(design, gear, given, section, loads.torque_n_mm)
-    return ShaftResult(lives, bent, safety, key, _thick_enough_mm(of_diameter, diameter, safety))
+    safety = of_diameter(diameter)
+    key = _key(design, number, section, [one.torque_n_mm for one in loads.gears])
+    return ShaftResult(words, lives, bent, safety, key, _thick_enough_mm(of_diameter, diameter, safety))
 
 
 MOST_TIMES, GROWN = 10.0, 1.002
@@ -274,35 +272,40 @@ def _thick_enough_mm(of_diameter: Callable[[float], ShaftSafety], given_mm: floa
     return diameter_mm if diameter_mm > given_mm and least >= LEAST_SAFETY else None
 
 
-def _cycles_rad(gear: Gear, cycle: Cycle) -> Array:
-    """Angles of a shaft at the beginnings of the cycles after which it is in its first position again."""
-    if gear is Gear.DRIVEN:
+def _cycles_rad(number: int, cycle: Cycle) -> Array:
+    """Angles of a shaft at the beginnings of the cycles after which it is in its first position again.
+
+    A shaft between two pairs turns once in a cycle, like the crank, since these have one lobe each.
+    """
+    if number > 0:
         return np.zeros(1)
-    place = cycle.rigid.place
-    assert place is not None
-    lobes = cycle.rigid.machine.transmission.lobes
-    return np.arange(lobes.driving, dtype=float) * (-place.mesh.sense * cycle.cycle_rad)
+    lobes, first = cycle.rigid.machine.transmission.lobes, cycle.rigid.places[0]
+    return np.arange(lobes.driving, dtype=float) * (first.driven_sense * first.mesh.sense * cycle.cycle_rad)
 
 
-def _key(design: Design, gear: Gear, given: DrivingShaft, section: ShaftSection, torque: Array) -> KeySafety | None:
-    key, gears, where = given.key, design.gears, f"drivetrain.{gear.value}_shaft.key"
+def _key(design: Design, number: int, section: ShaftSection, torques_n_mm: Sequence[Array]) -> KeySafety | None:
+    """The least safe key of a shaft's gears, which bear these torques, shape (n,) each."""
+    _, name, given = design.shafts[number]
+    key, gears, where = given.key if given else None, design.gears, f"drivetrain.{name}.key"
     if key is None or gears is None:
         return None
-    body = gears.driving if gear is Gear.DRIVING else gears.driven
-    height = key.height_mm
-    if height is None:
-        if body.keyway is None:
-            raise WrongInput(f"given, but gears.{gear.value} has no keyway; give one, or height_mm", key=where)
-        height = body.keyway.depth_mm - FREE_HEIGHT_MM
-        if height <= 0.0:
-            raise WrongInput(
-                f"missing; a keyway {body.keyway.depth_mm:g} mm deep leaves nothing over {FREE_HEIGHT_MM:g} mm of play",
-                key=f"{where}.height_mm",
-            )
-    yields = section.yield_mpa
-    length = key.length_mm or gears.face_width_mm
-    made = ShaftKey(section.diameter_mm, height, length, min(yields, key.yield_mpa or yields))
-    return key_safety(made, float(torque.max()), float(torque.min()))
+    found = []
+    for gear, torque in zip(design.gears_on(number), torques_n_mm, strict=True):
+        height, keyway = key.height_mm, getattr(gears, gear).keyway
+        if height is None:
+            if keyway is None:
+                raise WrongInput(f"given, but gears.{gear} has no keyway; give one, or height_mm", key=where)
+            height = keyway.depth_mm - FREE_HEIGHT_MM
+            if height <= 0.0:
+                raise WrongInput(
+                    f"missing; a keyway {keyway.depth_mm:g} mm deep leaves nothing over {FREE_HEIGHT_MM:g} mm of play",
+                    key=f"{where}.height_mm",
+                )
+        yields, length = section.yield_mpa, key.length_mm or gears.face_width_mm
+        made = ShaftKey(section.diameter_mm, height, length, min(yields, key.yield_mpa or yields))
+        found.append(key_safety(made, float(torque.max()), float(torque.min())))
+    weakest = min(found, key=lambda one: one.safety)
+    return replace(weakest, both_senses=any(one.both_senses for one in found))
 
 
 def _pto(given: PowerTakeOff, demand: Demand) -> PowerTakeOffResult:

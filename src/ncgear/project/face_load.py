@@ -4,7 +4,7 @@ Where the file gives the bearings and diameters of both shafts, K_Hbeta is compu
 given factor or ASSUMED. A bearing has the stiffness of its key, or of its static rating at its largest force of the
 cycle; where neither is given it is rigid.  Where teeth carry more than the law needs, as in knocks, the crank presses
 with the force that the surplus accelerates (``ncgear.dynamics.knocking``).  The application factor counts for all
-forces, K_V for the forces of the teeth.
+forces, K_V for the forces of the teeth.  Of pairs in series, the other gear on a shaft presses with the law's force.
 
 Flanks are misaligned by the helix slope that the grade allows for each gear (ISO 1328-1) and by the tilt of its bore,
 all independent: they add as the root of the sum of squares, as in ISO 6336-1 (secondary source).  Where the section
@@ -21,10 +21,10 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from ncgear.design.keys import drivetrain as keys
-from ncgear.design.keys.gears import Gears
-from ncgear.drivetrain.bearings import Bearing, bearing_forces, stiffness_n_mm
-from ncgear.drivetrain.cycle import ShaftLoads, complex_of
+from ncgear.drivetrain.bearings import Bearing, Seats, bearing_forces, stiffness_n_mm
+from ncgear.drivetrain.cycle import ShaftLoads, complex_of, shafts_of
 from ncgear.dynamics.knocking import hurried_loads
+from ncgear.dynamics.loaded_machine import RigidMachine
 from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import sample_angles
 from ncgear.numerics.arrays import Array, ComplexArray, largest_rows
@@ -51,7 +51,8 @@ class FaceLoading:
     """The source of K_Hbeta of a pair.
 
     ``basis`` names it: given, assumed (``why`` says which value is missing), or computed by ``model`` from the loads
-    ``asked``.  ``constant`` is the given or assumed factor.  Loads count with an application factor.
+    ``asked`` and those of the whole ``machine`` with its gears.  ``constant`` is the given or assumed factor, and
+    ``shafts`` are both shafts in words.  Loads count with an application factor.
     """
 
     basis: Literal["given", "assumed", "computed"]
@@ -59,6 +60,8 @@ class FaceLoading:
     why: str = ""
     model: FaceModel | None = None
     asked: ToothLoad | None = None
+    machine: RigidMachine | None = None
+    shafts: tuple[str, str] = ("driving shaft", "driven shaft")
 
     @property
     def rigid_bearings(self) -> list[str]:
@@ -66,8 +69,8 @@ class FaceLoading:
         if self.model is None:
             return []
         return [
-            f"{name} of the {gear.value} shaft"
-            for gear, shaft in zip(Gear, self.model.shafts, strict=True)
+            f"{name} of the {words}"
+            for words, shaft in zip(self.shafts, self.model.shafts, strict=True)
             for name, one in zip(("bearing_a", "bearing_b"), shaft.supports, strict=True)
             if isinf(one.stiffness_n_mm)
         ]
@@ -115,12 +118,26 @@ class FaceLoading:
         towards = complex_of(mesh.force) / mesh.size_n.value
         arms = asked.arms_mm(phi1_rad, urge)
         torque = urge * force_n * arms[:, 1]
-        crank = np.real(_crank_n(asked, phi1_rad, torque - asked.torque_n_mm(phi1_rad)) * np.conj(towards))
+        forces = np.stack(self._beside_n(phi1_rad, torque), axis=-1)
+        beside = np.real(forces * np.conj(towards)[:, None]) * np.array([-1.0, 1.0])
         driving, driven = asked.place.couples_mm(asked.slope(phi1_rad))
         along = np.stack([-driving, driven], axis=-1) * np.conj(towards)[:, None]
         couples = np.real(along) * (mesh.thrust_n.value / mesh.size_n.value)[:, None]
         over = application_factor * shaken
-        return FaceLoads(over * force_n, stiffness_n_mm2, application_factor * crank, arms, couples)
+        return FaceLoads(over * force_n, stiffness_n_mm2, application_factor * beside, arms, couples)
+
+    def _beside_n(self, angle_rad: Array, torque_n_mm: Array) -> tuple[ComplexArray, ComplexArray]:
+        """The forces as x + i y of a second gear or the crank on both shafts, where teeth bear a torque, shape (n,)."""
+        asked, machine = self.asked, self.machine
+        assert asked is not None
+        before = after = np.zeros(angle_rad.shape, dtype=complex)
+        if machine is not None and len(machine.places) > 1:
+            meshes = machine.at(asked.pair.shaft_rad(angle_rad)).meshes
+            before = complex_of(meshes[asked.number - 1].force) if asked.number else before
+            after = -complex_of(meshes[asked.number + 1].force) if asked.number + 1 < len(meshes) else after
+        if asked.turns_crank:
+            after = _crank_n(asked, asked.pair.shaft_rad(angle_rad), torque_n_mm - asked.torque_n_mm(angle_rad))
+        return before, after
 
 
 def _crank_n(asked: ToothLoad, phi1_rad: Array, beyond_n_mm: Array) -> ComplexArray:
@@ -136,37 +153,53 @@ def face_loading_of(drive: Geared) -> FaceLoading:
     design = drive.design
     if (own := design.strength.face_load_factor) is not None:
         return FaceLoading("given", own)
-    around, gears = design.drivetrain, drive.gears
-    if around is None:
+    if design.drivetrain is None:
         return FaceLoading("assumed", why="drivetrain is not given")
-    driving = _Around.of(around.driving_shaft, gears, Gear.DRIVING)
-    driven = _Around.of(around.driven_shaft, gears, Gear.DRIVEN)
+    number, gears = (drive.stage or 1) - 1, drive.gears
+    driving, driven = _Around.of(design, number, Gear.DRIVING), _Around.of(design, number + 1, Gear.DRIVEN)
     if isinstance(driving, str) or isinstance(driven, str):
         return FaceLoading("assumed", why=driving if isinstance(driving, str) else str(driven))
-    asked = asked_of(drive)
-    phi1 = sample_angles(asked.pair.transmission)
-    idle = np.zeros(phi1.size)
-    mesh, crank, none = asked.mesh_force(phi1), _crank_n(asked, phi1, idle), (idle, idle)
+    *before, last = drive.whole.mesh_places
+    machine = replace(drive.loaded_machine(drive.machine), place=last, places_before=tuple(before))
+    asked = replace(asked_of(drive), place=machine.places[number])
+    phi1 = sample_angles(machine.machine.transmission)
+    idle, meshes = np.zeros(phi1.size), machine.at(phi1).meshes
+    crank = _crank_n(asked, phi1, idle)
     # The arm of the force is about the radius of the roots.
-    arms = asked.arms_mm(phi1, np.ones(phi1.size)).min(axis=0)
+    angle = sample_angles(asked.pair.transmission)
+    arms = asked.arms_mm(angle, np.ones(angle.size)).min(axis=0)
     first, second = (one.youngs_modulus_mpa for one in drive.materials)
-    loads = ShaftLoads.pair(asked.place, mesh, (phi1, asked.pair.transmission.driven_angle(phi1, 1)), crank, none)
-    shafts = driving.shaft((arms[0], first), loads[0]), driven.shaft((arms[1], second), loads[1])
+    loads = shafts_of(machine.places, meshes, machine.angles(phi1, 1), [(idle, idle)] * len(meshes), crank)
+    shafts = driving.shaft((arms[0], first), loads[number]), driven.shaft((arms[1], second), loads[number + 1])
     askew, running = _askew_mm(design, drive.running), drive.running
     worn = sum(running_in(one, running, askew) for one in choices_of(gears)) / 2.0
     lead = gears.lead
     form = LeadForm(
         MM_PER_UM * lead.crowning_um, MM_PER_UM * (lead.end_relief_um or 0.0), lead.end_relief_length_mm or 0.0
     )
-    model = FaceModel(shafts, driven.crank_at_mm, gears.face_width_mm, askew - worn, form)
-    return FaceLoading("computed", model=model, asked=asked)
+    places = driving.beside_mm if number else None, driven.beside_mm
+    model = FaceModel(shafts, places, gears.face_width_mm, askew - worn, form)
+    words = design.shafts[number].words, design.shafts[number + 1].words
+    return FaceLoading("computed", model=model, asked=asked, machine=machine, shafts=words)
 
 
-def bearings_of(shaft: keys.DrivingShaft | None) -> tuple[Bearing, Bearing] | None:
-    """Both bearings from the keys of a shaft; None where they are not given."""
+def seats_of(shaft: keys.DrivingShaft | None) -> Seats | None:
+    """The places along a shaft from its keys; None where its bearings are not given."""
     if shaft is None or shaft.bearing_a is None or shaft.bearing_b is None:
         return None
-    return _bearing(shaft.bearing_a, shaft.thrust_on == "a"), _bearing(shaft.bearing_b, shaft.thrust_on == "b")
+    both = _bearing(shaft.bearing_a, shaft.thrust_on == "a"), _bearing(shaft.bearing_b, shaft.thrust_on == "b")
+    if isinstance(shaft, keys.ShaftBetween):
+        return Seats(both, (0.0, shaft.second_gear_at_mm))
+    return Seats(both, crank_at_mm=shaft.crank_at_mm if isinstance(shaft, keys.DrivenShaft) else 0.0)
+
+
+def diameter_of(design: Design, number: int) -> float | None:
+    """The diameter of a shaft, counted from the driving shaft on: as given, or the least bore of its gears."""
+    given = design.shafts[number].given
+    if given is not None and given.diameter_mm is not None:
+        return given.diameter_mm
+    bores = [getattr(design.gears, gear).bore_mm for gear in design.gears_on(number)]
+    return None if None in bores else min(bores)
 
 
 def _bearing(given: keys.Bearing, bears_thrust: bool) -> Bearing:
@@ -177,29 +210,34 @@ def _bearing(given: keys.Bearing, bears_thrust: bool) -> Bearing:
 
 @dataclass(frozen=True)
 class _Around:
-    """The parts around one gear: the bearings and the diameter of its shaft, and the place of the crank on it."""
+    """The parts around one gear: the seats on its shaft, the shaft's diameter, and the gear's number on it."""
 
-    bearings: tuple[Bearing, Bearing]
+    seats: Seats
     diameter_mm: float
-    crank_at_mm: float
+    gear: int
 
     @classmethod
-    def of(cls, given: keys.DrivingShaft | None, gears: Gears, gear: Gear) -> _Around | str:
+    def of(cls, design: Design, number: int, gear: Gear) -> _Around | str:
         """The surroundings by the keys of a shaft, or the words for a key that is missing."""
-        if given is None or (bearings := bearings_of(given)) is None:
-            return f"drivetrain gives no bearings of the {gear.value} shaft"
-        diameter = given.diameter_mm or (gears.driving if gear is Gear.DRIVING else gears.driven).bore_mm
-        if diameter is None:
-            return f"the diameter of the {gear.value} shaft is not given"
-        crank_at = given.crank_at_mm if isinstance(given, keys.DrivenShaft) else 0.0
-        return cls(bearings, diameter, crank_at)
+        words, _, given = design.shafts[number]
+        if (seats := seats_of(given)) is None:
+            return f"drivetrain gives no bearings of the {words}"
+        if (diameter := diameter_of(design, number)) is None:
+            return f"the diameter of the {words} is not given"
+        return cls(seats, diameter, design.gears_on(number).index(gear.value))
+
+    @property
+    def beside_mm(self) -> float:
+        """The place of the other gear, or else of the crank, from the middle of this gear."""
+        places = self.seats.gears_mm
+        beside = places[1 - self.gear] if len(places) > 1 else self.seats.crank_at_mm
+        return beside - places[self.gear]
 
     def shaft(self, body: tuple[float, float], loads: ShaftLoads) -> SteelShaft:
         """The shaft on springs under its loads over the cycle; ``body``: the body's radius and E."""
-        borne = bearing_forces(loads, self.bearings, self.crank_at_mm)
         first, second = (
-            Support(one.at_mm, stiffness_n_mm(one, float(np.abs(force).max())))
-            for one, force in zip(self.bearings, borne, strict=True)
+            Support(one.at_mm - self.seats.gears_mm[self.gear], stiffness_n_mm(one, float(np.abs(force).max())))
+            for one, force in zip(self.seats.bearings, bearing_forces(loads, self.seats), strict=True)
         )
         return SteelShaft(self.diameter_mm, 2.0 * float(body[0]), (first, second), body[1])
 

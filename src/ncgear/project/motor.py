@@ -53,12 +53,12 @@ class MotorResult:
         return N_M_PER_N_MM * (self.course.motor_range_n_mm[1] if self.course else self.load.most_n_mm.value)
 
 
-def demand_of(design: Design, rigid: Rigid, mesh_loss_factor: float | None) -> Demand:
+def demand_of(design: Design, rigid: Rigid, mesh_loss_factors: tuple[float, ...]) -> Demand:
     """The machine's demand on the driving shaft, with friction, and with the motor's rotor among the turning masses."""
     smooth, motor = cycle_of(rigid), design.drivetrain.motor if design.drivetrain else None
-    losses = losses_of(smooth, mesh_loss_factor, design.simulation.friction.dynamic)
+    losses = losses_of(smooth, mesh_loss_factors, design.simulation.friction.dynamic)
     rotor_kg_mm2 = motor.inertia_kg_mm2 * motor.gearbox.ratio**2 if motor else 0.0
-    return Demand(rubbing(smooth, losses.mesh_share), losses, rotor_kg_mm2)
+    return Demand(rubbing(smooth, losses.mesh_shares), losses, rotor_kg_mm2)
 
 
 def motor_of(design: Design, given: DrivetrainMotor, demand: Demand) -> MotorResult:
@@ -83,13 +83,14 @@ def motor_within(drive: Geared) -> tuple[MotorResult, MotorResult]:
     design, around = drive.design, drive.design.drivetrain
     assert around is not None
     assert around.motor is not None
-    gears, pitch = drive.gears, drive.pitch
-    angle = radians(min(gears.rack.angles_deg))
-    reach_mm = reach_in_pitches(gears) * pi * pitch.size.module_mm * cos(angle)
+    gears = drive.gears
+    flat, steep = radians(min(gears.rack.angles_deg)), radians(max(gears.rack.angles_deg))
+    reach = reach_in_pitches(gears) * pi * cos(flat)
     # Friction between helical teeth is not computed
-    most = None if drive.helix else most_mesh_loss_factor(pitch, reach_mm, radians(max(gears.rack.angles_deg)))
+    pitches = [] if drive.helix else [pair.pitch for pair in drive.by_stage]
+    most = tuple(most_mesh_loss_factor(one, reach * one.size.module_mm, steep) for one in pitches)
     least, greatest = (
-        motor_of(design, around.motor, demand_of(design, drive.rigid, factor)) for factor in (None, most)
+        motor_of(design, around.motor, demand_of(design, drive.rigid, factors)) for factors in ((), most)
     )
     return least, greatest
 
@@ -123,7 +124,7 @@ def _asked(drive: Geared) -> tuple[Demand, LineDrive] | None:
         return None
     cycle = cycle_of(drive.rigid)
     motor = LineDrive(StraightLine(line.stall_torque_n_mm, line.speed_rad_s), Gearbox())
-    return Demand(cycle, losses_of(cycle, None, 0.0)), motor
+    return Demand(cycle, losses_of(cycle, (), 0.0)), motor
 
 
 def motor_stall(drive: Geared) -> Stall | None:

@@ -6,10 +6,10 @@ mm of way.  Both gears follow their shafts, so the gap between the flanks at a p
     g(z) = g_0(z) + integral of A(z, s) w(s) ds,   w(z) = c max(0, x - g(z)),   integral of w(z) dz = F
 
 with w the load for each mm of width, x the approach of the gears along the normal, g_0 the gap without the mesh force
-(flanks askew, crowning, end relief, the shafts bent by the crank's force and the couples of helical teeth's thrust,
-which press over the width as its length from the middle) and A(z, s) the way by which both gears yield at z under a
-force of 1 N at s.  Flanks only press, so w is never below 0.  The face load factor is K_Hbeta = max(w) b /
-F.  That is the method of ISO 6336-1:2019, annex E (secondary sources), with these choices:
+(flanks askew, crowning, end relief, the shafts bent by the crank or a second gear and the couples of helical teeth's
+thrust, which press over the width as its length from the middle) and A(z, s) the way by which both gears yield at z
+under a force of 1 N at s.  Flanks only press, so w is never below 0.  The face load factor is K_Hbeta = max(w) b / F.
+That is the method of ISO 6336-1:2019, annex E (secondary sources), with these choices:
 
 - A shaft is a beam of one diameter on two springs, by Timoshenko: A is the sum over the shaft of M_z M_s / (E I) +
   10/9 Q_z Q_s / (G S), M and Q the bending moment and the transverse force of a force of 1 N at z and at s, S the area
@@ -146,14 +146,15 @@ class FaceLoads(Columns):
     """The forces that press flanks together at n positions, shape (n,) each.
 
     ``force_n`` is the normal force of all pairs together and ``stiffness_n_mm2`` their stiffness for each mm of width.
-    ``crank_n`` is the part of the crank's force on the driven shaft in the direction of the mesh force on that shaft.
+    ``beside_n`` (shape (n, 2)) are the parts of the forces of crank or second gear on both shafts in the directions in
+    which the teeth press these.
     ``arms_mm`` (shape (n, 2)) are the arms of the mesh force about both axes.  ``couples_mm`` (shape (n, 2)) are the
     parts of the couples of thrust on both shafts in the directions in which the teeth press these, over ``force_n``.
     """
 
     force_n: Array
     stiffness_n_mm2: Array
-    crank_n: Array
+    beside_n: Array
     arms_mm: Array
     couples_mm: Array
 
@@ -173,13 +174,14 @@ def places_mm(width_mm: float, lead: LeadForm) -> Array:
 
 @dataclass(frozen=True)
 class FaceModel:
-    """A pair on its shafts: ``shafts`` of the driving and the driven gear, and the crank's place on the latter.
+    """A pair on its shafts: ``shafts`` of the driving and the driven gear, and what else presses on these.
 
-    ``askew_mm`` is the misalignment of the flanks over the width, in either sense.
+    ``beside_mm`` are the places of a second gear or of the crank, None where nothing else presses.  ``askew_mm`` is
+    the misalignment of the flanks over the width, in either sense.
     """
 
     shafts: tuple[SteelShaft, SteelShaft]
-    crank_at_mm: float
+    beside_mm: tuple[float | None, float]
     width_mm: float
     askew_mm: float
     lead: LeadForm
@@ -194,7 +196,6 @@ class FaceModel:
         if not pressed.size:
             return found
         at = places_mm(self.width_mm, self.lead)
-        driven = self.shafts[1]
         force, stiffness = loads.force_n[pressed], loads.stiffness_n_mm2[pressed]
         straight, twist = _mean_line(at), self._twist(at, loads.arms_mm[pressed])
         bodies = [
@@ -202,9 +203,13 @@ class FaceModel:
             for one, bent in ((one, one.compliance(at, at)) for one in self.shafts)
         ]
         compliance = twist + sum(bodies)
-        by_crank = driven.compliance(at, np.array([self.crank_at_mm]))[:, 0]
-        by_crank = driven.bent_teeth * by_crank + (1.0 - driven.bent_teeth) * straight @ by_crank
-        gap = by_crank * loads.crank_n[pressed, None] + self.lead.gap_mm(at, self.width_mm)
+        gap = np.zeros((force.size, at.size))
+        for one, place, beside in zip(self.shafts, self.beside_mm, loads.beside_n[pressed].T, strict=True):
+            if place is not None:
+                bent = one.compliance(at, np.array([place]))[:, 0]
+                bent = one.bent_teeth * bent + (1.0 - one.bent_teeth) * straight @ bent
+                gap = gap + bent * beside[:, None]
+        gap = gap + self.lead.gap_mm(at, self.width_mm)
         if loads.couples_mm.any():
             # A load in proportion to the place, of which the couple is 1.
             couple = _over_width(at) @ at
@@ -219,11 +224,14 @@ class FaceModel:
     def _twist(self, at_mm: Array, arms_mm: Array) -> Array:
         """Way by which teeth yield along the normal as their bodies twist, shape (n, places, places).
 
-        The torque leaves the driven gear on the crank's side, and enters the driving gear from the other side.
+        The torque enters and leaves the gears on the side of what stands beside them, and the first gear from the side
+        opposite to the second's.
         """
-        side = 1.0 if self.crank_at_mm >= 0.0 else -1.0
+        entering, leaving = self.beside_mm
+        side = 1.0 if leaving >= 0.0 else -1.0
+        enters = -side if entering is None else 1.0 if entering >= 0.0 else -1.0
         twist = np.zeros((len(arms_mm), at_mm.size, at_mm.size))
-        for shaft, arm, end in zip(self.shafts, arms_mm.T, (-side, side), strict=True):
+        for shaft, arm, end in zip(self.shafts, arms_mm.T, (enters, side), strict=True):
             far, shear = self.width_mm / 2.0 - end * at_mm, SHEAR_MPA * shaft.body_mpa / STEEL_MPA
             twist += (2.0 / (pi * shear * arm**2))[:, None, None] * np.minimum(far[:, None], far)
         return twist

@@ -275,8 +275,8 @@ def _creep(loading: Loading, choices: tuple[Choice, Choice], conditions: Conditi
         return None
     borne = float(contacts.share[even[contacts.position]].sum()) / int(even.sum())
     loaded_h = conditions.life_h * borne / min(running.teeth)
-    plastics = [one.entry.root for one in choices if isinstance(one.entry, Plastic)]
-    factors = [creep_factor(root, loaded_h) for root in plastics]
+    plastics = [one.entry.name for one in choices if isinstance(one.entry, Plastic)]
+    factors = [creep_factor(name, loaded_h) for name in plastics]
     if not factors or None in factors:
         return None
     way = float((contacts.force_n / contacts.stiffness_n_mm).max())

@@ -11,7 +11,7 @@ from pydantic import Field, PrivateAttr, TypeAdapter, create_model
 
 from ncgear.design.keys.base import FILE_FORMAT, Faults, FileFormat, Model, fault, given, optional, required
 from ncgear.design.keys.choices import Choices
-from ncgear.design.keys.drivetrain import Drivetrain
+from ncgear.design.keys.drivetrain import Drivetrain, NamedShaft, bodies_on, named_shafts, shaft_faults
 from ncgear.design.keys.gears import SIZES, Gears
 from ncgear.design.keys.machine import Comparison, Fit, Linkage, NoLinkage, Operation, Output, Resistance
 from ncgear.design.keys.masses import Masses, Simulation, shafts_counted
@@ -136,6 +136,15 @@ class Design(Model, Shown):
         return f"{COUNTS[self.stages]} pairs of gears", key
 
     @property
+    def shafts(self) -> list[NamedShaft]:
+        """The shafts of all gears, from the driving shaft on."""
+        return named_shafts(self.drivetrain, self.stages)
+
+    def gears_on(self, number: int) -> tuple[str, ...]:
+        """The keys below ``gears`` of the bodies on a shaft, counted from the driving shaft on; the driven first."""
+        return bodies_on(number, self.stages)
+
+    @property
     def can_be_fitted(self) -> bool:
         """Whether ``ncgear fit`` takes the file: one machine, its gears side by side, of one lobe each, one drawn."""
         gears = self.gears
@@ -251,49 +260,16 @@ class Design(Model, Shown):
                 f"{self.gears.lobes.driven} given, but a law of the slider's motion drives one crank; 1 is right",
             )
 
-    def _bearings_bear_the_thrust(self) -> Faults:
-        if not (self.drivetrain and self.gears and self.gears.helix and self.gears.helix.kind == "helical"):
-            return
-        for name in ("driving_shaft", "driven_shaft"):
-            shaft = getattr(self.drivetrain, name)
-            bearing = None if shaft is None else getattr(shaft, f"bearing_{shaft.thrust_on}")
-            if bearing is None or bearing.contact_angle_deg is not None:
-                continue
-            key, why = "static_rating_n", "what a ball bearing does under the thrust of helical teeth depends on it"
-            if bearing.kind == "roller":
-                key, why = (
-                    "contact_angle_deg",
-                    "cylindrical rollers bear no thrust of helical teeth; others have an angle",
-                )
-            elif bearing.static_rating_n is not None:
-                continue
-            yield fault(f"drivetrain.{name}.bearing_{shaft.thrust_on}.{key}", f"missing; {why}")
-
-    def _bearings_stand_beside_their_gears(self) -> Faults:
-        if self.drivetrain is None or self.gears is None:
-            return
-        half = self.gears.face_width_mm / 2.0
-        for name in ("driving", "driven"):
-            hub, shaft = getattr(self.gears, name).hub, getattr(self.drivetrain, f"{name}_shaft")
-            top = half + (hub.height_mm if hub else 0.0)
-            for bearing in ("bearing_a", "bearing_b"):
-                one = getattr(shaft, bearing, None)
-                if one is not None and -half < one.at_mm < top:
-                    within = "the gear" if one.at_mm < half else "the gear's hub"
-                    yield fault(
-                        f"drivetrain.{name}_shaft.{bearing}.at_mm",
-                        f"{one.at_mm:.10g} mm is within {within}, which ends at {top:.10g} mm; "
-                        f"{-half:.10g} or less, or {top:.10g} or more, is right",
-                    )
+    def _shafts_fit_their_gears(self) -> Faults:
+        if self.drivetrain is not None and self.gears is not None:
+            yield from shaft_faults(self.shafts, self.gears, self.stages)
 
     def _not_offered(self) -> Faults:
         """Gears that turn less than once are plain pairs; keys that are not offered for them are refused.
 
-        Only they have end stops.  Two pairs of gears cannot have a drivetrain.
+        Only they have end stops.
         """
         gears = self.gears
-        if self.drivetrain is not None and self.stages > 1:
-            yield fault("drivetrain", "given, but forces are computed of one pair of gears; leave it out of several")
         if not self.motion.is_open:
             for body in ("driving", "driven"):
                 if gears is not None and getattr(gears, body).end_stop is not None:
@@ -340,6 +316,7 @@ class Design(Model, Shown):
             "linkage": not isinstance(self.linkage, NoLinkage),
             "motion.law": self.motion.is_open or self.motion.pairs_in_series > 1,
             "strength.overload": self.strength.overload is not None,
+            "drivetrain": self.drivetrain is not None,
             "gears.pairs": gears.pairs > 1,
             "gears.mesh": gears.mesh != "external",
             "gears.helix": gears.helix is not None,

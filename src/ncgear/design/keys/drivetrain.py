@@ -5,11 +5,26 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 from pydantic import Field
 
-from ncgear.design.keys.base import Faults, Length, Model, Place, Positive, Speed, fault, optional, required
+from ncgear.design.keys.base import (
+    Faults,
+    Length,
+    Model,
+    Place,
+    Positive,
+    Several,
+    Speed,
+    fault,
+    optional,
+    required,
+)
+from ncgear.design.words import COUNTS
+
+if TYPE_CHECKING:
+    from ncgear.design.keys.gears import Gears
 
 Share = Annotated[float, Field(gt=0.0, le=1.0)]
 Coefficient = Annotated[float, Field(ge=0.0, le=2.0)]
@@ -113,6 +128,15 @@ class DrivenShaft(DrivingShaft):
     )
 
 
+class ShaftBetween(DrivingShaft):
+    """A shaft between two pairs of gears: the driven gear of one pair and the driving gear of the next are on it."""
+
+    second_gear_at_mm: Place = required(
+        "place of the middle of the driving gear of the next pair along the shaft in mm, counted like all places from "
+        "the middle of the gear that is driven"
+    )
+
+
 class Gearbox(Model):
     """The parts between a motor and the driving shaft."""
 
@@ -162,6 +186,9 @@ class Drivetrain(Model):
         "share in percent of the bearings that shall last so long", 90.0, ge=50.0, le=99.95
     )
     driving_shaft: DrivingShaft | None = optional("shaft of the driving gear; left out: none")
+    shafts_between: Annotated[Several[ShaftBetween], Field(min_length=1)] | None = optional(
+        "list of the shafts between pairs of gears in series, from the driving shaft on; left out: none"
+    )
     driven_shaft: DrivenShaft | None = optional("shaft of the driven gear and the crank; left out: none")
     guide_friction: Coefficient = optional("coefficient of friction of the slider in its guide", 0.0)
     flywheel_diameter_mm: Length | None = optional(
@@ -172,3 +199,84 @@ class Drivetrain(Model):
     pto: PowerTakeOff | None = optional(
         "shaft of constant speed with its coupling, in place of a motor; left out: none"
     )
+
+
+class NamedShaft(NamedTuple):
+    """A shaft in words, its key below ``drivetrain``, and its keys; None where they are left out."""
+
+    words: str
+    key: str
+    given: DrivingShaft | None
+
+
+def named_shafts(around: Drivetrain | None, pairs: int) -> list[NamedShaft]:
+    """The shafts of pairs of gears, from the driving shaft on."""
+    between = (around.shafts_between if around else None) or (None,) * (pairs - 1)
+    words = [f"stages {one} and {one + 1}" for one in range(1, len(between) + 1)] if pairs > 2 else ["the stages"]
+    words += ["more"] * (len(between) - len(words))
+    return [
+        NamedShaft("driving shaft", "driving_shaft", around.driving_shaft if around else None),
+        *(
+            NamedShaft(f"shaft between {said}", f"shafts_between.{place}", one)
+            for place, (said, one) in enumerate(zip(words, between, strict=False))
+        ),
+        NamedShaft("driven shaft", "driven_shaft", around.driven_shaft if around else None),
+    ]
+
+
+def bodies_on(number: int, pairs: int) -> tuple[str, ...]:
+    """The keys below ``gears`` of the bodies on a shaft, counted from the driving shaft on; the driven first."""
+    return ("driven",) * (number > 0) + ("driving",) * (number < pairs)
+
+
+def shaft_faults(shafts: list[NamedShaft], gears: Gears, pairs: int) -> Faults:
+    """What is wrong with shafts and bearings beside their gears."""
+    helical, width = gears.helix is not None and gears.helix.kind == "helical", gears.face_width_mm
+    if len(shafts) != pairs + 1:
+        many = f"{COUNTS[pairs]} pairs of gears have {pairs - 1}" if pairs > 1 else "one pair has none"
+        problem = f"{len(shafts) - 2} given, but {many}; give one for each, or leave it out"
+        yield fault("drivetrain.shafts_between", problem)
+    if pairs > 1 and helical:
+        yield fault(
+            "gears.helix.kind",
+            "helical given, but the thrust of pairs in series on their shafts is not computed; herringbone is right, "
+            "or leave drivetrain out",
+        )
+    for number, (_, name, shaft) in enumerate(shafts):
+        if shaft is None:
+            continue
+        key, second_mm = f"drivetrain.{name}", getattr(shaft, "second_gear_at_mm", 0.0)
+        bearings = [(one, getattr(shaft, one)) for one in ("bearing_a", "bearing_b") if getattr(shaft, one) is not None]
+        thrust = dict(bearings).get(f"bearing_{shaft.thrust_on}")
+        if helical and thrust is not None and thrust.contact_angle_deg is None:
+            lacks = "contact_angle_deg" if thrust.kind == "roller" else "static_rating_n"
+            why = {
+                "contact_angle_deg": "cylindrical rollers bear no thrust of helical teeth; others have an angle",
+                "static_rating_n": "what a ball bearing does under the thrust of helical teeth depends on it",
+            }
+            if lacks == "contact_angle_deg" or thrust.static_rating_n is None:
+                yield fault(f"{key}.bearing_{shaft.thrust_on}.{lacks}", f"missing; {why[lacks]}")
+        if isinstance(shaft, ShaftBetween) and abs(second_mm) < width:
+            yield fault(
+                f"{key}.second_gear_at_mm",
+                f"{second_mm:.10g} mm given, but the gears are {width:.10g} mm wide: they overlap; as much or more is "
+                "right, on either side",
+            )
+        for place, body in enumerate(getattr(gears, one) for one in bodies_on(number, pairs)):
+            # Of two gears on a shaft, the second is seen from the other end: its hub is on the other side.
+            ends = [width / 2.0, width / 2.0 + (body.hub.height_mm if body.hub else 0.0)][:: -1 if place else 1]
+            low, top = second_mm * place - ends[0], second_mm * place + ends[1]
+            for bearing, one in bearings:
+                if low < one.at_mm < top:
+                    within = "the gear" if abs(one.at_mm - second_mm * place) < width / 2.0 else "the gear's hub"
+                    yield fault(
+                        f"{key}.{bearing}.at_mm",
+                        f"{one.at_mm:.10g} mm is within {within}, which ends at {top:.10g} mm; {low:.10g} or less, "
+                        f"or {top:.10g} or more, is right",
+                    )
+            if isinstance(shaft, ShaftBetween) and body.bore_mm and (shaft.diameter_mm or 0.0) > body.bore_mm:
+                yield fault(
+                    f"{key}.diameter_mm",
+                    f"{shaft.diameter_mm:g} mm given, but a bore of its gears is {body.bore_mm:g} mm; as much or less "
+                    "is right",
+                )

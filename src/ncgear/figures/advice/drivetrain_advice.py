@@ -17,6 +17,7 @@ from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
 from ncgear.project.drive import Drive
 
 if TYPE_CHECKING:
+    from ncgear.design.keys.drivetrain import NamedShaft
     from ncgear.drivetrain.shafts import KeySafety
     from ncgear.project.drivetrain import PowerTakeOffResult, ShaftResult
     from ncgear.project.motor import MotorResult
@@ -29,32 +30,31 @@ def around(drive: Drive) -> Iterator[Advice | NotJudged]:
     if given and given.flywheel_diameter_mm is not None and found.disc is None:
         what = "drivetrain.flywheel_diameter_mm is given, and no disc is needed: what turns has inertia enough"
         yield replace(_advice(what, "leave it out"), matters=False)
-    for name, shaft in (("driving", found.driving_shaft), ("driven", found.driven_shaft)):
+    for named, shaft in zip(drive.design.shafts, found.shafts, strict=True):
         if shaft is not None:
-            yield from _of_bearings(name, shaft, found.wanted.hours)
-            yield from _of_shaft(name, shaft)
-            yield from _of_jam(name, shaft)
+            yield from _of_bearings(named, shaft, found.wanted.hours)
+            yield from _of_shaft(named, shaft)
+            yield from _of_jam(named, shaft)
     yield from _of_crank(drive)
     if found.pto:
         yield from _of_pto(found.pto, N_M_PER_N_MM * found.demand.torque_range_n_mm[1].value)
     if drive.knocks is None and drive.rigid.fluctuation.flank_changes_rad.size:
         yield NotJudged(
             "shafts, keys and bearings are not judged for the knocks of teeth whose load changes flanks, which are "
-            "followed of a single pair with inertia only"
+            "followed of one pair or two with inertia only"
         )
 
 
 def of_bores(drive: Drive) -> Iterator[Advice]:
     """Shafts that are thinner than the bores in which they stand; thicker ones are refused by their key."""
-    around, gears = drive.design.drivetrain, drive.design.gears
-    for name in ("driving", "driven") if around and gears else ():
-        shaft, bore_mm = getattr(around, f"{name}_shaft"), getattr(gears, name).bore_mm
-        if shaft and bore_mm and shaft.diameter_mm and shaft.diameter_mm < bore_mm:
-            yield _advice(
-                f"the {name} shaft of {shaft.diameter_mm:.10g} mm is loose in a bore of {bore_mm:.10g} mm",
-                f"drivetrain.{name}_shaft.diameter_mm: {bore_mm:.10g}, or gears.{name}.bore_mm: "
-                f"{shaft.diameter_mm:.10g}",
-            )
+    for number, (words, key, given) in enumerate(drive.design.shafts if drive.design.gears else ()):
+        for gear in drive.design.gears_on(number):
+            bore_mm = getattr(drive.gears, gear).bore_mm
+            if given and bore_mm and given.diameter_mm and given.diameter_mm < bore_mm:
+                yield _advice(
+                    f"the {words} of {given.diameter_mm:.10g} mm is loose in a bore of {bore_mm:.10g} mm",
+                    f"drivetrain.{key}.diameter_mm: {bore_mm:.10g}, or gears.{gear}.bore_mm: {given.diameter_mm:.10g}",
+                )
 
 
 def motor(drive: Drive) -> Iterable[Advice | NotJudged]:
@@ -137,9 +137,9 @@ def _at_least(key: str, value: float) -> str:
     return f"{key}: {shown_above(value, 4)} or over"
 
 
-def _of_bearings(name: str, found: ShaftResult, hours: float) -> Iterator[Advice]:
+def _of_bearings(shaft: NamedShaft, found: ShaftResult, hours: float) -> Iterator[Advice]:
     for letter, one in zip("ab", found.bearings or (), strict=False):
-        which, key = f"bearing {letter} of the {name} shaft", f"drivetrain.{name}_shaft.bearing_{letter}"
+        which, key = f"bearing {letter} of the {shaft.words}", f"drivetrain.{shaft.key}.bearing_{letter}"
         if one.life_h is not None and one.life_h < hours:
             yield _advice(
                 f"{which} lasts {five_digits(one.life_h)} h, and {five_digits(hours)} h are wanted",
@@ -150,62 +150,62 @@ def _of_bearings(name: str, found: ShaftResult, hours: float) -> Iterator[Advice
                 f"the load of {which} is more than half its dynamic load rating, the limit of ISO 281",
                 _at_least(f"{key}.dynamic_rating_n", one.equivalent_n / MOST_OF_RATING),
             )
-        yield from _dented(name, letter, one.static_n, one.static_safety)
+        yield from _dented(shaft, letter, one.static_n, one.static_safety)
 
 
-def _dented(name: str, letter: str, most_n: float, safety: float | None, when: str = "") -> Iterator[Advice]:
+def _dented(shaft: NamedShaft, letter: str, most_n: float, safety: float | None, when: str = "") -> Iterator[Advice]:
     if safety is not None and safety < 1.0:
         load = f"{fixed(most_n, 0)} N, more than its static load rating: it would be dented"
-        helps = _at_least(f"drivetrain.{name}_shaft.bearing_{letter}.static_rating_n", most_n)
-        yield _advice(f"{when}the load of bearing {letter} of the {name} shaft is {load}", helps)
+        helps = _at_least(f"drivetrain.{shaft.key}.bearing_{letter}.static_rating_n", most_n)
+        yield _advice(f"{when}the load of bearing {letter} of the {shaft.words} is {load}", helps)
 
 
-def _crushed(name: str, key: KeySafety | None, when: str = "") -> Iterator[Advice]:
+def _crushed(shaft: NamedShaft, key: KeySafety | None, when: str = "") -> Iterator[Advice]:
     if key is not None and key.safety < 1.0:
         most, allowed = (fixed(pressure, 0) for pressure in (key.pressure_mpa, key.pressure_mpa * key.safety))
-        longer = _at_least(f"drivetrain.{name}_shaft.key.length_mm", key.key.length_mm / key.safety)
-        what = f"{when}the pressure on the key of the {name} shaft is {most} MPa, and {allowed} MPa are allowed"
+        longer = _at_least(f"drivetrain.{shaft.key}.key.length_mm", key.key.length_mm / key.safety)
+        what = f"{when}the pressure on the key of the {shaft.words} is {most} MPa, and {allowed} MPa are allowed"
         yield _advice(what, f"{longer}, or a thicker shaft")
 
 
-def _of_shaft(name: str, found: ShaftResult) -> Iterator[Advice]:
+def _of_shaft(shaft: NamedShaft, found: ShaftResult) -> Iterator[Advice]:
     if found.shaft is not None:
         safety, against = min((found.shaft.fatigue, "fatigue"), (found.shaft.yielding, "yielding"))
         if safety < LEAST_SAFETY:
             yield _advice(
-                f"the {name} shaft has an estimated safety of {to_digits(safety, 3)} against {against} at its keyway; "
+                f"the {shaft.words} has an estimated safety of {to_digits(safety, 3)} against {against} at its keyway; "
                 f"{LEAST_SAFETY:g} or over is right",
                 "a stronger steel: no shaft ten times as thick holds"
                 if found.enough_mm is None
-                else _thicker(name, found.enough_mm),
+                else _thicker(shaft, found.enough_mm),
             )
-    yield from _crushed(name, found.key)
+    yield from _crushed(shaft, found.key)
     if found.key is not None and found.key.both_senses:
         yield _advice(
-            f"the torque of the {name} shaft changes its sense, for which the pressure on its key is no proof",
+            f"the torque of the {shaft.words} changes its sense, for which the pressure on its key is no proof",
             "the gear needs a fit without play",
         )
 
 
-def _thicker(name: str, enough_mm: float) -> str:
-    return f"{_at_least(f'drivetrain.{name}_shaft.diameter_mm', enough_mm)}, in a bore as wide, or a stronger steel"
+def _thicker(shaft: NamedShaft, enough_mm: float) -> str:
+    return f"{_at_least(f'drivetrain.{shaft.key}.diameter_mm', enough_mm)}, in a bore as wide, or a stronger steel"
 
 
-def _of_jam(name: str, found: ShaftResult) -> Iterator[Advice]:
+def _of_jam(shaft: NamedShaft, found: ShaftResult) -> Iterator[Advice]:
     jammed = found.jammed
     if jammed is None:
         return
     for letter, most, safety in zip("ab", jammed.static_n, jammed.static_safety, strict=True):
-        yield from _dented(name, letter, most, safety, "in a jam ")
+        yield from _dented(shaft, letter, most, safety, "in a jam ")
     if jammed.yielding is not None and jammed.yielding < LEAST_SAFETY:
         assert found.shaft is not None
         thick = found.shaft.section.diameter_mm * (LEAST_SAFETY / jammed.yielding) ** (1.0 / 3.0)
         yield _advice(
-            f"in a jam the {name} shaft has a safety of {to_digits(jammed.yielding, 3)} against yielding at its "
+            f"in a jam the {shaft.words} has a safety of {to_digits(jammed.yielding, 3)} against yielding at its "
             f"keyway; {LEAST_SAFETY:g} or over is right",
-            _thicker(name, thick),
+            _thicker(shaft, thick),
         )
-    yield from _crushed(name, found.jammed_key, "in a jam ")
+    yield from _crushed(shaft, found.jammed_key, "in a jam ")
 
 
 def _faults(found: MotorResult) -> set[str]:

@@ -120,7 +120,7 @@ def _idle_sections(drive: Drive) -> Iterator[Idle]:
 def _idle_keys(drive: Drive) -> Iterator[Idle]:
     design, around = drive.design, drive.design.drivetrain
     rub, gears, masses = design.simulation.friction, design.gears, design.masses
-    shafts = {f"drivetrain.{name}": getattr(around, name) for name in ("driving_shaft", "driven_shaft") if around}
+    shafts = {f"drivetrain.{one.key}": one.given for one in design.shafts if around}
     bearings = any(shaft and shaft.bearing_a for shaft in shafts.values())
     # With both shafts' bearings the load along the face width follows, unless its factor is given.
     along = bool(shafts) and all(shaft and shaft.bearing_a for shaft in shafts.values())

@@ -74,10 +74,11 @@ def _loaded(drive: Drive) -> bool:
 
 
 def _motor(drive: Drive) -> bool:
-    """Whether there is a motor, of a machine whose motion in time is followed."""
+    """Whether there is a motor: behind a gearbox, or of a simulation, which follows one pair of gears."""
     design, around = drive.design, drive.design.drivetrain
-    followed = _gears(drive) and drive.masses_left_out is None and design.stages == 1
-    return followed and (design.simulation.motor is not None or (around is not None and around.motor is not None))
+    simulated = design.simulation.motor is not None and design.stages == 1
+    geared = around is not None and around.motor is not None
+    return _gears(drive) and drive.masses_left_out is None and (simulated or geared)
 
 
 def _always(_: Drive) -> bool:

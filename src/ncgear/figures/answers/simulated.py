@@ -142,7 +142,8 @@ def _around(found: Mapping[str, Any]) -> list[Row]:
     if not found:
         return []
     losses, power = found["losses"], "mean_power_with_tooth_friction_w"
-    shafts = [found[name] for name in ("driving_shaft", "driven_shaft") if name in found]
+    named = {name.replace("_", " "): shaft for name, shaft in found.items() if "shaft" in name}
+    shafts = [*named.values()]
     bearings = [one for shaft in shafts for name, one in shaft.items() if name.startswith("bearing")]
     lives = [one["life_h"] for one in bearings if one["life_h"] is not None]
     strong = [shaft["estimate_of_shaft"] for shaft in shafts if "estimate_of_shaft" in shaft]
@@ -155,9 +156,9 @@ def _around(found: Mapping[str, Any]) -> list[Row]:
         said.append(f"motor at {to_digits(turning['rms_torque_of_rated'], 3)} of its torque")
     efficiency = f"{figure('efficiency', losses['efficiency'])}, {name_of(power)} {figure(power, losses[power])}"
     decided = {
-        f"{name.replace('_', ' ')} {part.replace('_', ' ')}": load
-        for name in ("driving_shaft", "driven_shaft")
-        for part, load in found.get(name, {}).get("decided_by", {}).items()
+        f"{name} {part.replace('_', ' ')}": load
+        for name, shaft in named.items()
+        for part, load in shaft.get("decided_by", {}).items()
     }
     return [
         Row("efficiency", (efficiency,)),

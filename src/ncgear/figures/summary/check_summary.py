@@ -188,8 +188,7 @@ def stages_summary(drive: Drive) -> dict[str, Any]:
 
 def names_between(drive: Drive) -> list[str]:
     """The shafts between the pairs of a machine in words, from the driving shaft on."""
-    count = drive.design.stages
-    return [f"shaft between {'the stages' if count == 2 else f'stages {n} and {n + 1}'}" for n in range(1, count)]
+    return [one.words for one in drive.design.shafts[1:-1]]
 
 
 def _range_and_angle(drive: Drive) -> dict[str, Any]:
