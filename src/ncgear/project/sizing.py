@@ -538,8 +538,7 @@ class _Search:
         """The best lead crowning of gears; empty where it is not known, or the design gives its own."""
         if is_given(self.drive.design, CROWNING):
             return {}
-        told = near.drive.told_face_load_by("estimate")
-        return {CROWNING: told.best_crowning_um} if told is not None and told.best_crowning_um > 0.0 else {}
+        return {CROWNING: best_um} if (best_um := near.drive.best_crowning_um_by("estimate")) else {}
 
     def volume(self, teeth: int, module_mm: float) -> float:
         """Square of the centre distance times the guessed face width; infinite where the gears have no room."""

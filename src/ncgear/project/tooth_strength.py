@@ -123,7 +123,9 @@ def surfaces_of_teeth(
     mesh, followed = mesh_stiffness(judged.loading, running), judged.loading.still is not None
     shaken = partial(vibration.of_contacts, mesh=mesh, conditions=conditions, followed=followed)
     given = judged.loading, choices_of(gears), materials, judged.warm, conditions, running
-    return surfaces_of(*given, face_loading.of_contacts, shaken)
+    stresses = judged.strength.stresses
+    known = None if judged.strength.load == "jam" else (stresses.dynamic_factor, stresses.face_load_factor)
+    return surfaces_of(*given, face_loading.of_contacts, shaken, known)
 
 
 def methods_of(

@@ -185,10 +185,12 @@ class _Pair:
     oil: Oil | None
     bulk_c: float = 0.0
 
-    def touching(self, contacts: LoadedContacts) -> Touched:
-        """The contacts of flanks among all contacts of some positions."""
-        shaken = self.shaken(contacts)
-        uneven = self.uneven(contacts, self.conditions.application_factor, shaken)
+    def touching(self, contacts: LoadedContacts, factors: tuple[Array, Array] | None = None) -> Touched:
+        """The contacts of flanks among all contacts of some positions; ``factors`` are K_V and K_Hbeta, if known."""
+        if factors is None:
+            shaken = self.shaken(contacts)
+            factors = shaken, self.uneven(contacts, self.conditions.application_factor, shaken)
+        shaken, uneven = factors
         load = uneven * shaken_n_mm(contacts, self.conditions, self.running, shaken)
         kept, load = contacts.kept(contacts.flanks), load[contacts.flanks]
         return kept, shaken[contacts.flanks], Pressed(load, kept.relative_curvature, kept.rolling_mm_s / 1000.0)
@@ -230,18 +232,19 @@ def surfaces_of(
     running: Running,
     uneven: Callable[[LoadedContacts, float, Array], Array],
     shaken: Callable[[LoadedContacts], Array],
+    factors: tuple[Array, Array] | None = None,
 ) -> Surfaces:
     """The state of the flanks under their loads, with all factors of load of the pressure.
 
     ``shaken`` gives K_V of contacts, shape (n,), from all contacts of their positions, and ``uneven`` K_Hbeta by the
-    application factor and K_V.
+    application factor and K_V; ``factors`` are both of the contacts of ``loading``, where they are known.
     """
     mates = (choices, choices[::-1])
     plastic = [isinstance(choice.entry, Plastic) for choice in choices]
     oil = None if any(plastic) or conditions.lubrication == "dry" else Oil.of(conditions)
     first, second = (coefficient_mm3_n_m(*both, conditions) for both in mates)
     pair = _Pair(materials, conditions, running, (first, second), uneven, shaken, oil)
-    touched = pair.touching(loading.contacts)
+    touched = pair.touching(loading.contacts, factors)
     if oil is not None:
         pair = replace(pair, bulk_c=_bulk_c(pair, oil, loading, touched))
     thin, hot, *worn = _largest(pair, loading, touched)
