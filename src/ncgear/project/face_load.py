@@ -253,7 +253,7 @@ small loads few flanks touch, and factors are high without harm."""
 
 
 def best_crowning_um(loading: FaceLoading, strength: Strength, over: float) -> float | None:
-    """The best crowning in whole um for the loads of a strength with K_A ``over``; None where no K_Hbeta is computed."""
+    """The best crowning in whole um for loads of a strength with K_A ``over``; None where no K_Hbeta is computed."""
     contacts, shaken = strength.contacts, strength.stresses.dynamic_factor
     if loading.model is None or not contacts.force_n.size:
         return None
@@ -264,10 +264,8 @@ def best_crowning_um(loading: FaceLoading, strength: Strength, over: float) -> f
     return float(round(best_crowning_mm(loading.model, loads.kept(heavy), most[heavy]) / MM_PER_UM))
 
 
-def told_face_load(
-    loading: FaceLoading, strength: Strength, over: float, best_um: float | None
-) -> ToldFaceLoad | None:
-    """Figures of the loads of a strength with K_A ``over``, and of their best crowning; None as ``best_crowning_um``."""
+def told_face_load(loading: FaceLoading, strength: Strength, over: float, best_um: float | None) -> ToldFaceLoad | None:
+    """Figures of loads of a strength with K_A ``over`` and of their best crowning; None as ``best_crowning_um``."""
     model, contacts, stresses = loading.model, strength.contacts, strength.stresses
     if model is None or best_um is None:
         return None

@@ -477,34 +477,29 @@ class _Search:
 
     def narrowed(self, one: Sized) -> tuple[Sized, bool]:
         """The gears with the least width that holds, and whether a mm less is known not to hold."""
-        teeth, module, best = one.teeth, one.module_mm, one
-        fails: Sized | None = None
-        below = ceil(self.space.least_width_modules * module - 1e-9) - 1.0
-        for other in self.computed:
-            if (other.teeth, other.module_mm) != (teeth, module) or other is self.computed[0]:
-                continue
-            if other.holds and other.face_width_mm < best.face_width_mm:
-                best = other
-            elif not other.holds and below < other.face_width_mm < best.face_width_mm:
-                below, fails = other.face_width_mm, other
-        while best.face_width_mm - below > 1.0 and self.narrowings < self.most_narrowed:
-            if best.face_width_mm - below <= NEAR_MM:
+        teeth, module = one.teeth, one.module_mm
+        least_mm = ceil(self.space.least_width_modules * module - 1e-9) - 1.0
+        own = [other for other in self.computed[1:] if (other.teeth, other.module_mm) == (teeth, module)]
+        while True:
+            own.sort(key=lambda other: other.face_width_mm)
+            row = next(row for row, other in enumerate(own) if other.holds)
+            best, width, below = own[row], own[row].face_width_mm, own[row - 1].face_width_mm if row else least_mm
+            if (known := width - below <= 1.0) or self.narrowings >= self.most_narrowed:
+                return best, known
+            if width - below <= NEAR_MM:
                 guess = below + 1.0
-            elif fails is None:
+            elif len(own) == 1:
                 guess = self.width(teeth, module)
             else:
-                # Between a width that holds and a width that does not, the share is a power of the width.
-                part = log(1.0 / fails.share) / log(best.share / fails.share) if best.share > fails.share else 0.5
-                guess = float(ceil(below * (best.face_width_mm / below) ** part))
+                # The share is a power of the width between two widths, and a little beyond them.
+                other = own[row - 1 if row else 1]
+                power = log(best.share / other.share) / log(width / other.face_width_mm)
+                guess = float(ceil(width * best.share ** (-1.0 / power) if power > 0.0 else (width * below) ** 0.5))
             self.narrowings += 1
-            made = self.made(teeth, module, min(max(guess, below + 1.0), best.face_width_mm - 1.0))
+            made = self.made(teeth, module, min(max(guess, below + 1.0), width - 1.0))
             if made is None:
-                break
-            if made.holds:
-                best = made
-            else:
-                below, fails = made.face_width_mm, made
-        return best, best.face_width_mm - below <= 1.0
+                return best, False
+            own.append(made)
 
     def made(self, teeth: int, module_mm: float, width_mm: float) -> Sized | None:
         """The gears of a size, computed; None where they are refused or do not fit into the space."""
