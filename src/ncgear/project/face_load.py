@@ -114,10 +114,11 @@ class FaceLoading:
         assert self.asked is not None
         asked, mesh = self.asked, self.asked.mesh_force(phi1_rad, urge)
         towards = complex_of(mesh.force) / mesh.size_n.value
-        arms = asked.arms_mm(phi1_rad, urge)
+        slope = asked.slope(phi1_rad)
+        arms = np.stack([slope, np.ones(slope.shape)], axis=1) / mesh.size_n.value[:, None]
         torque = urge * force_n * arms[:, 1]
         crank = np.real(_crank_n(asked, phi1_rad, torque - asked.torque_n_mm(phi1_rad)) * np.conj(towards))
-        driving, driven = asked.place.couples_mm(asked.slope(phi1_rad))
+        driving, driven = asked.place.couples_mm(slope)
         along = np.stack([-driving, driven], axis=-1) * np.conj(towards)[:, None]
         couples = np.real(along) * (mesh.thrust_n.value / mesh.size_n.value)[:, None]
         over = application_factor * shaken

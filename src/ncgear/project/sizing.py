@@ -525,7 +525,8 @@ class _Search:
             return None
         self.computed.append(made)
         inside = changed.pitch.center_distance_mm <= self.space.center_distance_mm
-        return made if inside and made.diameter_mm <= self.space.diameter_mm else None
+        most_mm = self.space.diameter_mm
+        return made if inside and (most_mm == inf or made.diameter_mm <= most_mm) else None
 
     # Guesses from the nearest gears computed.
 
@@ -541,11 +542,11 @@ class _Search:
         distance = first.drive.pitch.center_distance_mm * scale
         # Pitch curves grow with the scale, addenda with the module.
         diameter = (first.diameter_mm - 2.0 * first.module_mm) * scale + 2.0 * module_mm
-        width = self.width(teeth, module_mm)
-        if teeth * module_mm <= self.too_small_mm:
-            return inf
         roomy = distance <= self.space.center_distance_mm and diameter <= self.space.diameter_mm * (1.0 + 1e-9)
-        return distance**2 * width if roomy and width <= self.space.width_modules * module_mm else inf
+        if not roomy or teeth * module_mm <= self.too_small_mm:
+            return inf
+        width = self.width(teeth, module_mm)
+        return distance**2 * width if width <= self.space.width_modules * module_mm else inf
 
     def width(self, teeth: int, module_mm: float) -> float:
         """The guessed face width in whole mm, not under NARROWEST_MODULES."""
