@@ -382,7 +382,7 @@ def test_face_loads_are_told_of_the_teeth_that_bear_most() -> None:
         asked: list[Any] = []
         patch.setattr(face_load, "best_crowning_mm", lambda model, heavy, most: asked.append((heavy, most)) or 0.0083)
         stresses = Made(dynamic_factor=np.ones(3), face_load_factor=np.array([1.5, 1.2, 9.0]))
-        strength: Any = Made(contacts=contacts, stresses=stresses)
+        strength: Any = Made(contacts=contacts, stresses=stresses, load="masses")
         best_um = face_load.best_crowning_um(loading, strength, 1.0)
         told: Any = face_load.told_face_load(loading, strength, 1.0, best_um)
         assert face_load.best_crowning_um(Made(model=None), strength, 1.0) is None

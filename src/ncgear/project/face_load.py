@@ -114,11 +114,10 @@ class FaceLoading:
         assert self.asked is not None
         asked, mesh = self.asked, self.asked.mesh_force(phi1_rad, urge)
         towards = complex_of(mesh.force) / mesh.size_n.value
-        slope = asked.slope(phi1_rad)
-        arms = np.stack([slope, np.ones(slope.shape)], axis=1) / mesh.size_n.value[:, None]
+        arms = asked.arms_mm(phi1_rad, urge)
         torque = urge * force_n * arms[:, 1]
         crank = np.real(_crank_n(asked, phi1_rad, torque - asked.torque_n_mm(phi1_rad)) * np.conj(towards))
-        driving, driven = asked.place.couples_mm(slope)
+        driving, driven = asked.place.couples_mm(asked.slope(phi1_rad))
         along = np.stack([-driving, driven], axis=-1) * np.conj(towards)[:, None]
         couples = np.real(along) * (mesh.thrust_n.value / mesh.size_n.value)[:, None]
         over = application_factor * shaken
@@ -253,14 +252,21 @@ LEADING = 0.5
 small loads few flanks touch, and factors are high without harm."""
 
 
+def _loads_of(loading: FaceLoading, strength: Strength, over: float) -> FaceLoads:
+    """The loads of a strength with K_A ``over``, which a jam is not multiplied by."""
+    return loading.loads_of(
+        strength.contacts, 1.0 if strength.load == "jam" else over, strength.stresses.dynamic_factor
+    )
+
+
 def best_crowning_um(loading: FaceLoading, strength: Strength, over: float) -> float | None:
     """The best crowning in whole um for loads of a strength with K_A ``over``; None where no K_Hbeta is computed."""
-    contacts, shaken = strength.contacts, strength.stresses.dynamic_factor
+    contacts = strength.contacts
     if loading.model is None or not contacts.force_n.size:
         return None
-    loads = loading.loads_of(contacts, over, shaken)
+    loads = _loads_of(loading, strength, over)
     most = np.zeros(loads.force_n.size)
-    np.maximum.at(most, contacts.position, shaken * contacts.over_width_n)
+    np.maximum.at(most, contacts.position, strength.stresses.dynamic_factor * contacts.over_width_n)
     heavy = most >= LEADING * most.max()
     return float(round(best_crowning_mm(loading.model, loads.kept(heavy), most[heavy]) / MM_PER_UM))
 
@@ -270,8 +276,8 @@ def told_face_load(loading: FaceLoading, strength: Strength, over: float, best_u
     model, contacts, stresses = loading.model, strength.contacts, strength.stresses
     if model is None or best_um is None:
         return None
-    shaken, factors, place = stresses.dynamic_factor, stresses.face_load_factor, contacts.position
-    loads, force = loading.loads_of(contacts, over, shaken), shaken * contacts.over_width_n
+    factors, place = stresses.face_load_factor, contacts.position
+    loads, force = _loads_of(loading, strength, over), stresses.dynamic_factor * contacts.over_width_n
     tooth = contacts.on(Gear.DRIVING).tooth
     line = factors * force
     rows = largest_rows(line, tooth, int(tooth.max()) + 1)
