@@ -54,11 +54,11 @@ def stated_inertias(design: Design) -> list[str]:
 OnTrial = Callable[[int, int], None]
 """Called with the numbers of computed gears so far and at most."""
 
-MOST_COMPUTED = {"resistance": 24, "masses": 11}
+MOST_COMPUTED = {"resistance": 24, "jam": 24, "masses": 11}
 """Most gears that are computed, by the source of their load.  With masses, which include knocks and the gears' bodies,
 they take a second each, else a fifth of it: the search takes ten seconds."""
 
-MOST_NARROWED = {"resistance": 16, "masses": 5}
+MOST_NARROWED = {"resistance": 16, "jam": 16, "masses": 5}
 """Most gears of the same teeth that are computed to find the least widths, in half of that time each."""
 
 BEST = 4
@@ -370,17 +370,12 @@ class _Search:
     @property
     def most_computed(self) -> int:
         """Gears that are computed at most."""
-        return self.most or MOST_COMPUTED[self._load]
+        return self.most or MOST_COMPUTED[self.computed[0].rating.strength.load]
 
     @property
     def most_narrowed(self) -> int:
         """Gears that are computed at most to find the least widths of gears that hold."""
-        return MOST_NARROWED[self._load]
-
-    @property
-    def _load(self) -> str:
-        load = self.computed[0].rating.strength.load
-        return load if load in MOST_COMPUTED else "resistance"
+        return MOST_NARROWED[self.computed[0].rating.strength.load]
 
     def least_volume(self, module_mm: float) -> float:
         """The guessed volume of the smallest gears of a module; infinite without room."""
@@ -444,14 +439,12 @@ class _Search:
     def smallest(self, module_mm: float) -> Sized | None:
         """The smallest gears of a module that hold; None where there are none within the space and the effort."""
         for _ in range(TRIES):
-            guessed = {z: self.volume(z, module_mm) for z in self.teeth()}
-            tried = {one.teeth for one in self.computed if one.module_mm == module_mm and one is not self.computed[0]}
-            tried |= {teeth for teeth, module in self.weak if module == module_mm}
-            open_ = [z for z, volume in guessed.items() if volume < inf and z not in tried]
-            if not open_:
+            tried = {(one.teeth, one.module_mm) for one in self.computed[1:]} | self.weak
+            open_ = [(self.volume(z, module_mm), z) for z in self.teeth() if (z, module_mm) not in tried]
+            guessed, teeth = min(open_, default=(inf, 0))
+            if guessed == inf:
                 return None
-            found = self.widened(min(open_, key=lambda z: (guessed[z], z)), module_mm)
-            if found is not None:
+            if (found := self.widened(teeth, module_mm)) is not None:
                 return found
         return None
 
