@@ -194,11 +194,6 @@ def with_strength(keys: str) -> Drive:
     return drive_of_text(f"{TEXT}strength: {{{keys}}}\n")
 
 
-def even(contacts: LoadedContacts, application_factor: float, shaken: Array) -> Array:
-    """K_Hbeta that is assumed."""
-    return np.full(contacts.force_n.shape, 1.3)
-
-
 @pytest.mark.slow
 def test_extremes_are_those_of_a_search_by_brute_force() -> None:
     """At 60 times as many places as pairs are solved at: the least film and the most heat and wear are no worse."""
@@ -210,27 +205,21 @@ def test_extremes_are_those_of_a_search_by_brute_force() -> None:
     materials = strength.driving.material, strength.driven.material
     mesh = mesh_stiffness(loading, made.running)
 
-    def shaken(contacts: LoadedContacts) -> Array:
-        return made.vibration.of_contacts(contacts, mesh, made.conditions)
+    def factors(contacts: LoadedContacts) -> tuple[Array, Array]:
+        shaken = made.vibration.of_contacts(contacts, mesh, made.conditions)
+        # K_Hbeta is assumed.
+        return shaken, np.full(shaken.shape, 1.3)
 
-    pair = _Pair(
-        materials,
-        made.conditions,
-        made.running,
-        wear.coefficients_mm3_n_m,
-        even,
-        shaken,
-        Oil.of(made.conditions),
-        film.bulk_c,
-    )
+    coefficients, oil = wear.coefficients_mm3_n_m, Oil.of(made.conditions)
+    pair = _Pair(materials, made.conditions, made.running, coefficients, factors, oil, film.bulk_c)
     pressure = made.strength.stresses.pressure_mpa
     contacts = loading.between(np.linspace(0.0, loading.cycle_mm, 40_001))
     own, _, known = pair.touching(loading.contacts)
     modulus = materials[0].youngs_modulus_mpa / (2.0 * (1.0 - materials[0].poisson ** 2))
     load = pressure[loading.contacts.flanks] ** 2 * pi / (own.relative_curvature * modulus)
     assert load == pytest.approx(known.line_n_mm)
-    touching, factors, pressed = pair.touching(contacts)
-    rows = pair.quantities(touching.side, factors, pressed)
+    touching, shaken, pressed = pair.touching(contacts)
+    rows = pair.quantities(touching.side, shaken, pressed)
     worst = rows.max(axis=1)
     told = [1.0 / film.thickness.value, film.flash_k.value, wear.depth_mm[0].value, wear.depth_mm[1].value]
     assert told == pytest.approx(worst[:4], rel=3e-3)

@@ -363,12 +363,11 @@ def test_the_smallest_of_all_sizes_is_computed_and_accepted(accepted: float, fou
 
 def test_face_loads_are_told_of_the_teeth_that_bear_most() -> None:
     """Factors 1.5 and 1.2 at two positions with 100 and 90 N/mm, a third with little; straight 1.1, crowned 1.05."""
-    factors = {"own": [1.5, 1.2, 9.0], "straight": [1.1, 1.1, 1.1], "best": [1.05, 1.3, 1.0]}
+    factors = {"straight": [1.1, 1.1, 1.1], "best": [1.05, 1.3, 1.0]}
 
     class Model(SimpleNamespace):
         def factors(self, loads: Any) -> np.ndarray:
-            key = "straight" if self.askew_mm == 0.0 else "best" if self.lead.crowning_mm == 0.008 else "own"
-            return np.array(factors[key])
+            return np.array(factors["straight" if self.askew_mm == 0.0 else "best"])
 
     class Contacts(SimpleNamespace):
         def on(self, gear: Any) -> Any:
@@ -382,8 +381,12 @@ def test_face_loads_are_told_of_the_teeth_that_bear_most() -> None:
         patch.setattr(face_load, "replace", lambda one, **changes: type(one)(**{**vars(one), **changes}))
         asked: list[Any] = []
         patch.setattr(face_load, "best_crowning_mm", lambda model, heavy, most: asked.append((heavy, most)) or 0.0083)
-        told: Any = face_load.told_face_load(loading, contacts, 1.0, np.ones(3))
-        assert face_load.told_face_load(Made(model=None), contacts, 1.0, np.ones(3)) is None
+        stresses = Made(dynamic_factor=np.ones(3), face_load_factor=np.array([1.5, 1.2, 9.0]))
+        strength: Any = Made(contacts=contacts, stresses=stresses, load="masses")
+        best_um = face_load.best_crowning_um(loading, strength, 1.0)
+        told: Any = face_load.told_face_load(loading, strength, 1.0, best_um)
+        assert face_load.best_crowning_um(Made(model=None), strength, 1.0) is None
+        assert face_load.told_face_load(loading, strength, 1.0, None) is None
     assert (told.factor_min, told.factor_min_tooth) == (1.2, 4)
     assert (told.factor_max, told.factor_max_tooth) == (told.decisive_factor, told.decisive_tooth) == (1.5, 3)
     assert asked[0][0].tolist() == [True, True, False]

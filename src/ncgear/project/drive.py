@@ -537,12 +537,19 @@ class Drive(Geared):
             return surfaces_of_teeth(judged, *with_all)
 
     @computed_by
+    def best_crowning_um_by(self, method: Method) -> float | None:
+        """The lead crowning in whole um that is best for the loads of a method; None where it is not known."""
+        from ncgear.project.face_load import best_crowning_um
+
+        return best_crowning_um(self.face_loading, self.strength_by(method), self.conditions.application_factor)
+
+    @computed_by
     def told_face_load_by(self, method: Method) -> ToldFaceLoad | None:
         """Figures of the load along the width by a method; None where it is not computed."""
         from ncgear.project.face_load import told_face_load
 
-        found, over = self.strength_by(method), self.conditions.application_factor
-        return told_face_load(self.face_loading, found.contacts, over, found.stresses.dynamic_factor)
+        over, best = self.conditions.application_factor, self.best_crowning_um_by(method)
+        return told_face_load(self.face_loading, self.strength_by(method), over, best)
 
     @computed_by
     def judged_teeth(self, method: Method) -> JudgedTeeth:

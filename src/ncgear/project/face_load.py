@@ -41,6 +41,7 @@ from ncgear.tolerances.iso1328 import helix_slope_mm
 if TYPE_CHECKING:
     from ncgear.design.keys.design import Design
     from ncgear.project.geared import Geared
+    from ncgear.strength.answer import Strength
 
 MM_PER_UM = 1e-3
 N_PER_MM_PER_UM = 1000.0
@@ -289,31 +290,46 @@ LEADING = 0.5
 small loads few flanks touch, and factors are high without harm."""
 
 
-def told_face_load(loading: FaceLoading, contacts: LoadedContacts, over: float, shaken: Array) -> ToldFaceLoad | None:
-    """Figures of loaded contacts, with ``over`` and K_V as factors; None where K_Hbeta is not computed."""
-    model = loading.model
-    if model is None or not contacts.force_n.size:
+def _loads_of(loading: FaceLoading, strength: Strength, over: float) -> FaceLoads:
+    """The loads of a strength with K_A ``over``, which a jam is not multiplied by."""
+    return loading.loads_of(
+        strength.contacts, 1.0 if strength.load == "jam" else over, strength.stresses.dynamic_factor
+    )
+
+
+def best_crowning_um(loading: FaceLoading, strength: Strength, over: float) -> float | None:
+    """The best crowning in whole um for loads of a strength with K_A ``over``; None where no K_Hbeta is computed."""
+    contacts = strength.contacts
+    if loading.model is None or not contacts.force_n.size:
         return None
-    loads, place, force = loading.loads_of(contacts, over, shaken), contacts.position, shaken * contacts.over_width_n
-    factors = model.factors(loads)[place]
+    loads = _loads_of(loading, strength, over)
+    most = np.zeros(loads.force_n.size)
+    np.maximum.at(most, contacts.position, strength.stresses.dynamic_factor * contacts.over_width_n)
+    heavy = most >= LEADING * most.max()
+    return float(round(best_crowning_mm(loading.model, loads.kept(heavy), most[heavy]) / MM_PER_UM))
+
+
+def told_face_load(loading: FaceLoading, strength: Strength, over: float, best_um: float | None) -> ToldFaceLoad | None:
+    """Figures of loads of a strength with K_A ``over`` and of their best crowning; None as ``best_crowning_um``."""
+    model, contacts, stresses = loading.model, strength.contacts, strength.stresses
+    if model is None or best_um is None:
+        return None
+    factors, place = stresses.face_load_factor, contacts.position
+    loads, force = _loads_of(loading, strength, over), stresses.dynamic_factor * contacts.over_width_n
     tooth = contacts.on(Gear.DRIVING).tooth
     line = factors * force
     rows = largest_rows(line, tooth, int(tooth.max()) + 1)
     rows = rows[(rows >= 0) & (line[rows] >= LEADING * line.max())]
-    straight = replace(model, askew_mm=0.0).factors(loads)[place]
-    most = np.zeros(loads.force_n.size)
-    np.maximum.at(most, place, force)
-    heavy = most >= LEADING * most.max()
-    crowning_mm = round(best_crowning_mm(model, loads.kept(heavy), most[heavy]) / MM_PER_UM) * MM_PER_UM
-    best = replace(model, lead=replace(model.lead, crowning_mm=crowning_mm)).factors(loads)[place]
+    best = replace(model, lead=replace(model.lead, crowning_mm=best_um * MM_PER_UM)).factors(loads)[place]
     least, greatest, decisive = rows[factors[rows].argmin()], rows[factors[rows].argmax()], int(line.argmax())
+    straight = replace(model, askew_mm=0.0).factors(loads.kept(place[decisive : decisive + 1]))
     return ToldFaceLoad(
         *(float(factors[least]), int(tooth[least])),
         *(float(factors[greatest]), int(tooth[greatest])),
         *(float(factors[decisive]), int(tooth[decisive])),
-        float(straight[decisive]),
+        float(straight[0]),
         model.askew_mm / MM_PER_UM,
         model.lead.crowning_mm / MM_PER_UM,
-        crowning_mm / MM_PER_UM,
+        best_um,
         float(np.max(best * force) / force[decisive]),
     )

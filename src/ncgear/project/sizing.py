@@ -54,11 +54,11 @@ def stated_inertias(design: Design) -> list[str]:
 OnTrial = Callable[[int, int], None]
 """Called with the numbers of computed gears so far and at most."""
 
-MOST_COMPUTED = {"resistance": 24, "masses": 11}
+MOST_COMPUTED = {"resistance": 24, "jam": 24, "masses": 11}
 """Most gears that are computed, by the source of their load.  With masses, which include knocks and the gears' bodies,
 they take a second each, else a fifth of it: the search takes ten seconds."""
 
-MOST_NARROWED = {"resistance": 16, "masses": 5}
+MOST_NARROWED = {"resistance": 16, "jam": 16, "masses": 5}
 """Most gears of the same teeth that are computed to find the least widths, in half of that time each."""
 
 BEST = 4
@@ -370,17 +370,12 @@ class _Search:
     @property
     def most_computed(self) -> int:
         """Gears that are computed at most."""
-        return self.most or MOST_COMPUTED[self._load]
+        return self.most or MOST_COMPUTED[self.computed[0].rating.strength.load]
 
     @property
     def most_narrowed(self) -> int:
         """Gears that are computed at most to find the least widths of gears that hold."""
-        return MOST_NARROWED[self._load]
-
-    @property
-    def _load(self) -> str:
-        load = self.computed[0].rating.strength.load
-        return load if load in MOST_COMPUTED else "resistance"
+        return MOST_NARROWED[self.computed[0].rating.strength.load]
 
     def least_volume(self, module_mm: float) -> float:
         """The guessed volume of the smallest gears of a module; infinite without room."""
@@ -444,14 +439,12 @@ class _Search:
     def smallest(self, module_mm: float) -> Sized | None:
         """The smallest gears of a module that hold; None where there are none within the space and the effort."""
         for _ in range(TRIES):
-            guessed = {z: self.volume(z, module_mm) for z in self.teeth()}
-            tried = {one.teeth for one in self.computed if one.module_mm == module_mm and one is not self.computed[0]}
-            tried |= {teeth for teeth, module in self.weak if module == module_mm}
-            open_ = [z for z, volume in guessed.items() if volume < inf and z not in tried]
-            if not open_:
+            tried = {(one.teeth, one.module_mm) for one in self.computed[1:]} | self.weak
+            open_ = [(self.volume(z, module_mm), z) for z in self.teeth() if (z, module_mm) not in tried]
+            guessed, teeth = min(open_, default=(inf, 0))
+            if guessed == inf:
                 return None
-            found = self.widened(min(open_, key=lambda z: (guessed[z], z)), module_mm)
-            if found is not None:
+            if (found := self.widened(teeth, module_mm)) is not None:
                 return found
         return None
 
@@ -477,34 +470,29 @@ class _Search:
 
     def narrowed(self, one: Sized) -> tuple[Sized, bool]:
         """The gears with the least width that holds, and whether a mm less is known not to hold."""
-        teeth, module, best = one.teeth, one.module_mm, one
-        fails: Sized | None = None
-        below = ceil(self.space.least_width_modules * module - 1e-9) - 1.0
-        for other in self.computed:
-            if (other.teeth, other.module_mm) != (teeth, module) or other is self.computed[0]:
-                continue
-            if other.holds and other.face_width_mm < best.face_width_mm:
-                best = other
-            elif not other.holds and below < other.face_width_mm < best.face_width_mm:
-                below, fails = other.face_width_mm, other
-        while best.face_width_mm - below > 1.0 and self.narrowings < self.most_narrowed:
-            if best.face_width_mm - below <= NEAR_MM:
+        teeth, module = one.teeth, one.module_mm
+        least_mm = ceil(self.space.least_width_modules * module - 1e-9) - 1.0
+        own = [other for other in self.computed[1:] if (other.teeth, other.module_mm) == (teeth, module)]
+        while True:
+            own.sort(key=lambda other: other.face_width_mm)
+            row = next(row for row, other in enumerate(own) if other.holds)
+            best, width, below = own[row], own[row].face_width_mm, own[row - 1].face_width_mm if row else least_mm
+            if (known := width - below <= 1.0) or self.narrowings >= self.most_narrowed:
+                return best, known
+            if width - below <= NEAR_MM:
                 guess = below + 1.0
-            elif fails is None:
+            elif len(own) == 1:
                 guess = self.width(teeth, module)
             else:
-                # Between a width that holds and a width that does not, the share is a power of the width.
-                part = log(1.0 / fails.share) / log(best.share / fails.share) if best.share > fails.share else 0.5
-                guess = float(ceil(below * (best.face_width_mm / below) ** part))
+                # The share is a power of the width between two widths, and a little beyond them.
+                other = own[row - 1 if row else 1]
+                power = log(best.share / other.share) / log(width / other.face_width_mm)
+                guess = float(ceil(width * best.share ** (-1.0 / power) if power > 0.0 else (width * below) ** 0.5))
             self.narrowings += 1
-            made = self.made(teeth, module, min(max(guess, below + 1.0), best.face_width_mm - 1.0))
+            made = self.made(teeth, module, min(max(guess, below + 1.0), width - 1.0))
             if made is None:
-                break
-            if made.holds:
-                best = made
-            else:
-                below, fails = made.face_width_mm, made
-        return best, best.face_width_mm - below <= 1.0
+                return best, False
+            own.append(made)
 
     def made(self, teeth: int, module_mm: float, width_mm: float) -> Sized | None:
         """The gears of a size, computed; None where they are refused or do not fit into the space."""
@@ -530,7 +518,8 @@ class _Search:
             return None
         self.computed.append(made)
         inside = changed.pitch.center_distance_mm <= self.space.center_distance_mm
-        return made if inside and made.diameter_mm <= self.space.diameter_mm else None
+        most_mm = self.space.diameter_mm
+        return made if inside and (most_mm == inf or made.diameter_mm <= most_mm) else None
 
     # Guesses from the nearest gears computed.
 
@@ -538,8 +527,7 @@ class _Search:
         """The best lead crowning of gears; empty where it is not known, or the design gives its own."""
         if is_given(self.drive.design, CROWNING):
             return {}
-        told = near.drive.told_face_load_by("estimate")
-        return {CROWNING: told.best_crowning_um} if told is not None and told.best_crowning_um > 0.0 else {}
+        return {CROWNING: best_um} if (best_um := near.drive.best_crowning_um_by("estimate")) else {}
 
     def volume(self, teeth: int, module_mm: float) -> float:
         """Square of the centre distance times the guessed face width; infinite where the gears have no room."""
@@ -547,11 +535,11 @@ class _Search:
         distance = first.drive.pitch.center_distance_mm * scale
         # Pitch curves grow with the scale, addenda with the module.
         diameter = (first.diameter_mm - 2.0 * first.module_mm) * scale + 2.0 * module_mm
-        width = self.width(teeth, module_mm)
-        if teeth * module_mm <= self.too_small_mm:
-            return inf
         roomy = distance <= self.space.center_distance_mm and diameter <= self.space.diameter_mm * (1.0 + 1e-9)
-        return distance**2 * width if roomy and width <= self.space.width_modules * module_mm else inf
+        if not roomy or teeth * module_mm <= self.too_small_mm:
+            return inf
+        width = self.width(teeth, module_mm)
+        return distance**2 * width if width <= self.space.width_modules * module_mm else inf
 
     def width(self, teeth: int, module_mm: float) -> float:
         """The guessed face width in whole mm, not under NARROWEST_MODULES."""

@@ -122,10 +122,10 @@ def unknown(drive: Drive) -> WrongInput | None:
 
 def crowned_enough(drive: Drive, rating: Rating) -> Changes:
     """The best lead crowning in whole um, if teeth hold with it; else, or where it is not known, empty."""
-    told = drive.told_face_load_by(rating.strength.method)
-    if told is None or told.best_crowning_um == told.crowning_um:
+    best_um = drive.best_crowning_um_by(rating.strength.method)
+    if best_um is None or best_um == drive.gears.lead.crowning_um:
         return {}
-    changes: Changes = {CROWNING: told.best_crowning_um}
+    changes: Changes = {CROWNING: best_um}
     return changes if _holds(drive, rating, changes) else {}
 
 

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from ncgear.project.face_load import FaceLoading
     from ncgear.solids.plan.body import BodyPlan
     from ncgear.strength.answer import LoadBy, Strength
+    from ncgear.strength.contacts import LoadedContacts
     from ncgear.strength.loading import Loading
     from ncgear.strength.method import ToothMethod
     from ncgear.strength.vibration import Vibration
@@ -121,9 +122,14 @@ def surfaces_of_teeth(
     """Film, heat and wear of the flanks of judged teeth, without jams, which are rare."""
     materials = judged.strength.driving.material, judged.strength.driven.material
     mesh, followed = mesh_stiffness(judged.loading, running), judged.loading.still is not None
-    shaken = partial(vibration.of_contacts, mesh=mesh, conditions=conditions, followed=followed)
-    given = judged.loading, choices_of(gears), materials, judged.warm, conditions, running
-    return surfaces_of(*given, face_loading.of_contacts, shaken)
+
+    def factors(contacts: LoadedContacts) -> tuple[Array, Array]:
+        if contacts is judged.strength.contacts:
+            return judged.strength.stresses.dynamic_factor, judged.strength.stresses.face_load_factor
+        shaken = vibration.of_contacts(contacts, mesh, conditions, followed)
+        return shaken, face_loading.of_contacts(contacts, conditions.application_factor, shaken)
+
+    return surfaces_of(judged.loading, choices_of(gears), materials, judged.warm, conditions, running, factors)
 
 
 def methods_of(

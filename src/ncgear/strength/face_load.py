@@ -294,19 +294,19 @@ def largest_line_load(at_mm: Array, gap_mm: Array, compliance: Array, stiffness:
     Raises NoSuchMechanism where the equations cannot be met.
     """
     count, places = force_n.size, compliance.shape[-1]
-    gap = np.broadcast_to(gap_mm, (count, places))
-    compliance = np.broadcast_to(compliance, (count, places, places))
+    # The loads that gaps and ways by which both gears yield take off a spring.
+    off, yielding = stiffness[:, None] * gap_mm, stiffness[:, None, None] * compliance
     part_mm, mean = np.diff(at_mm), force_n / float(np.ptp(at_mm))
     load, active = np.ones((count, places)), np.broadcast_to([0.0, 1.0], (count, places - 1, 2)).copy()
     todo = np.arange(count)
     for step in range(STEPS):
-        c = stiffness[todo]
         hats = _hats(active[todo], part_mm)
-        matrix = np.zeros((todo.size, places + 1, places + 1))
-        matrix[:, :-1, :-1] = np.eye(places) + c[:, None, None] * (compliance[todo] @ hats)
-        matrix[:, :-1, -1] = -1.0
+        matrix = np.empty((todo.size, places + 1, places + 1))
+        matrix[:, :-1, :-1] = yielding[todo] @ hats
+        matrix[:, range(places), range(places)] += 1.0
+        matrix[:, :-1, -1], matrix[:, -1, -1] = -1.0, 0.0
         matrix[:, -1, :-1] = hats.sum(axis=1)
-        right = np.column_stack([-c[:, None] * gap[todo], force_n[todo]])
+        right = np.column_stack([-off[todo], force_n[todo]])
         found = np.linalg.solve(matrix, right[..., None])[:, :-1, 0]
         load[todo] = found if step < HALVED else (found + load[todo]) / 2.0
         pressing = _pressing(load[todo])
@@ -318,7 +318,7 @@ def largest_line_load(at_mm: Array, gap_mm: Array, compliance: Array, stiffness:
     borne = (_hats(active, part_mm) @ load[..., None])[..., 0]
     short = np.abs(borne.sum(axis=1) / force_n - 1.0)
     # The approach x is the same at all places.
-    approach = load + stiffness[:, None] * (gap + (compliance @ borne[..., None])[..., 0])
+    approach = load + off + (yielding @ borne[..., None])[..., 0]
     uneven = np.ptp(approach, axis=1) / (mean + np.abs(approach).max(axis=1))
     missed = np.flatnonzero(~((short < BALANCED) & (uneven < BALANCED)))
     if missed.size:

@@ -164,6 +164,9 @@ class Surfaces:
         return lasting if scuffing is None else min(lasting, scuffing / LEAST_SCUFFING)
 
 
+Factors = Callable[[LoadedContacts], tuple[Array, Array]]
+"""K_V and K_Hbeta of n contacts, shape (n,) each, from all contacts of their positions."""
+
 Touched = tuple[LoadedContacts, Array, Pressed]
 """The contacts of flanks among all contacts of some positions, their K_V, and as film and heat need them."""
 
@@ -172,23 +175,20 @@ Touched = tuple[LoadedContacts, Array, Pressed]
 class _Pair:
     """The common values of all places of contact of a pair.
 
-    ``shaken`` gives K_V of all contacts of some positions, ``uneven`` their K_Hbeta by the application factor and K_V;
-    ``bulk_c`` is the temperature of the teeth.
+    ``factors`` gives K_V and K_Hbeta of all contacts of some positions; ``bulk_c`` is the temperature of the teeth.
     """
 
     materials: tuple[Material, Material]
     conditions: Conditions
     running: Running
     coefficients_mm3_n_m: tuple[float, float]
-    uneven: Callable[[LoadedContacts, float, Array], Array]
-    shaken: Callable[[LoadedContacts], Array]
+    factors: Factors
     oil: Oil | None
     bulk_c: float = 0.0
 
     def touching(self, contacts: LoadedContacts) -> Touched:
         """The contacts of flanks among all contacts of some positions."""
-        shaken = self.shaken(contacts)
-        uneven = self.uneven(contacts, self.conditions.application_factor, shaken)
+        shaken, uneven = self.factors(contacts)
         load = uneven * shaken_n_mm(contacts, self.conditions, self.running, shaken)
         kept, load = contacts.kept(contacts.flanks), load[contacts.flanks]
         return kept, shaken[contacts.flanks], Pressed(load, kept.relative_curvature, kept.rolling_mm_s / 1000.0)
@@ -228,19 +228,14 @@ def surfaces_of(
     warm: tuple[ToothTemperature, ToothTemperature],
     conditions: Conditions,
     running: Running,
-    uneven: Callable[[LoadedContacts, float, Array], Array],
-    shaken: Callable[[LoadedContacts], Array],
+    factors: Factors,
 ) -> Surfaces:
-    """The state of the flanks under their loads, with all factors of load of the pressure.
-
-    ``shaken`` gives K_V of contacts, shape (n,), from all contacts of their positions, and ``uneven`` K_Hbeta by the
-    application factor and K_V.
-    """
+    """The state of the flanks under their loads, with all factors of load of the pressure."""
     mates = (choices, choices[::-1])
     plastic = [isinstance(choice.entry, Plastic) for choice in choices]
     oil = None if any(plastic) or conditions.lubrication == "dry" else Oil.of(conditions)
     first, second = (coefficient_mm3_n_m(*both, conditions) for both in mates)
-    pair = _Pair(materials, conditions, running, (first, second), uneven, shaken, oil)
+    pair = _Pair(materials, conditions, running, (first, second), factors, oil)
     touched = pair.touching(loading.contacts)
     if oil is not None:
         pair = replace(pair, bulk_c=_bulk_c(pair, oil, loading, touched))
