@@ -84,7 +84,7 @@ def test_limits_that_a_law_stays_away_from_are_told_with_what_it_has() -> None:
     figures = Figures(dict.fromkeys((*names, *loads), 1.0) | {
         "peak_speed_mm_s": 199.99, "tangent_rad": 0.3, "ratio_max": 2.0, "ratio_min": 0.5, "peak_power_w": 3.0,
     })  # fmt: skip
-    best = Made(design=Made(optimize=Made(limits=given)), figures=figures,
+    best = Made(asked=Made(limits=given), figures=figures,
                 wishes=Made(limits=Made(rack_angle_rad=0.35), pairs=1))  # fmt: skip
     found = limits_not_reached(best)
     assert found == {"pressure_angle_deg": (60.0, pytest.approx(degrees(0.65))), "ratio_min": (0.2, 0.5)}
@@ -92,7 +92,8 @@ def test_limits_that_a_law_stays_away_from_are_told_with_what_it_has() -> None:
     assert "pressure_angle_deg" not in limits_not_reached(best)
     figures.values["ratio_min"] = 0.2
     assert "ratio_min" not in limits_not_reached(best)
-    assert limits_not_reached(Made(design=Made(optimize=None))) == {}
+    best.asked.limits = Made(model_fields_set=[])
+    assert limits_not_reached(best) == {}
 
 
 class Figures:

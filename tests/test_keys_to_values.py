@@ -113,7 +113,7 @@ def test_a_free_stroke_is_in_the_unit_of_its_key(name: str, key: str, factor: fl
 )
 def test_the_force_between_teeth_is_limited_where_it_is_known(name: str, limits: dict[str, float], said: str) -> None:
     design = loaded(name).design
-    names = dict.fromkeys(("tooth_force_n", "flank_load_n_mm", "center_distance_mm"))
+    names = dict.fromkeys(("tooth_force_n", "flank_load_n_mm", "center_distance_mm", "teeth_hold"))
     given = Fake(**{**names, **limits}, stages=design.stages)
     with pytest.raises(WrongInput, match=said) if said else nullcontext():
         assert _size_of(design, given) is not None

@@ -245,7 +245,7 @@ def test_a_fault_of_a_train_is_told_where_it_is_given(text: str, key: str) -> No
 
 @pytest.mark.usefixtures("run")
 def test_a_pair_has_no_shaft_between_and_series_have_one_less_than_pairs() -> None:
-    for pairs, given, said in ((1, "7", "1 given for no shafts between one pair of gears"), (3, "[7, 7]", "")):
+    for pairs, given, said in ((1, "7", "given, but there is no shaft between one pair of gears"), (3, "[7, 7]", "")):
         text = series(60, pairs).replace("20000", f"20000, shaft_between_kg_mm2: {given}")
         if said:
             with pytest.raises(WrongInput, match=said):

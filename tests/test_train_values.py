@@ -385,7 +385,7 @@ def test_sizes_of_a_part_and_what_is_seen_from_behind() -> None:
     )
     for bore_mm, fits in ((5.9, True), (6.0, False)):
         bored = replace(carried(), parts=(*carried().parts, replace(bar, bore_mm=bore_mm)))
-        with nullcontext() if fits else pytest.raises(WrongInput, match="no wall in bar; the largest that fits is"):
+        with nullcontext() if fits else pytest.raises(WrongInput, match="at the side of bar; the largest that fits is"):
             assert with_sound_bodies(bored) is bored
     assert replace(bar, rim_mm=2.0).reach_mm == pytest.approx(np.hypot(50.0, 7.0) + 2.0)
     above = replace(bar, low_mm=5.0)

@@ -151,8 +151,9 @@ def fault(key: str, problem: str) -> PydanticCustomError:
 def counts(key: str, given: int, needed: int, noun: str, place: str) -> Faults:
     """The fault of a list of ``given`` values, none if left out, that has not one for each of ``needed`` nouns."""
     if given and given != needed:
-        right = "one for each is right" if needed else "leave it out"
-        yield fault(key, f"{given} given for {COUNTS[needed]} {noun}{'s' * (needed != 1)} {place}; {right}")
+        nouns = f"{COUNTS[needed]} {noun}{'s' * (needed != 1)}"
+        told = f"{given} given for {nouns} {place}; one for each is right"
+        yield fault(key, told if needed else f"given, but there is {nouns.removesuffix('s')} {place}; leave it out")
 
 
 def given(model: BaseModel, names: Iterable[str]) -> list[str]:
