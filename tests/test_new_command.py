@@ -265,7 +265,7 @@ wishes:
             "constant_speed: {from_mm: 40, to_mm: 20}",
             "--wish: constant_speed.0.to_mm: 20 mm given, but from_mm is 40 mm;",
         ),
-        ("constant_speed: {from_mm: 40", "--wish:1:29: is not YAML: "),
+        ("constant_speed: {from_mm: 40", "--wish: is not YAML: "),
         ("constant_speed: {from_mm: 40, to_mm: 900}", "wishes.constant_speed.0.to_mm: 900 given, but the stroke is "),
     ],
 )

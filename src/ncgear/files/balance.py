@@ -184,4 +184,4 @@ def _solids(balancing: Balancing) -> dict[str, bytes]:
     if balancing.balance.gears is None:
         return {}
     made = {f"{gear}-balanced.stl": one.corrected for gear, one in balancing.gears.items()}
-    return {name: stl_bytes(found.mesh) for name, found in made.items() if found is not None}
+    return {name: stl_bytes(found.mesh.as_trimesh()) for name, found in made.items() if found is not None}

@@ -204,8 +204,8 @@ def _written(drive: Drive, on_step: Callable[[str], None]) -> tuple[dict[str, by
             "driven.csv": outline_csv(drive.teeth.driven.outline_mm).encode(),
             "pitch.csv": pitch_csv(drive.pitch).encode(),
             "data_sheet.md": sheet_text(data_sheet(drive)).encode(),
-            "driving.stl": stl_bytes(drive.solids.driving.triangles),
-            "driven.stl": stl_bytes(drive.solids.driven.triangles),
+            "driving.stl": stl_bytes(drive.solids.driving.mesh),
+            "driven.stl": stl_bytes(drive.solids.driven.mesh),
             "assembly.json": json_text(assembly_of(drive)).encode(),
         }
     with _timed(drive, "written contact", on_step):

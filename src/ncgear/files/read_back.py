@@ -25,7 +25,7 @@ from ncgear.numerics.plane import as_complex, as_points, signed_area
 from ncgear.pitch.shape import Gear
 from ncgear.solids.mesh.pair import SolidPair
 from ncgear.solids.mesh.slabs import require_sound
-from ncgear.solids.mesh.triangles import TINY, TriangleMesh, merged, section_rings
+from ncgear.solids.mesh.triangles import TriangleMesh, merged, section_rings
 from ncgear.solids.plan.areas import parallel, rings
 from ncgear.solids.plan.body import BodyPlan
 from ncgear.teeth.gear import ToothedPair
@@ -63,17 +63,14 @@ FOOT = 1e-7
 the outline."""
 
 
-def stl_bytes(mesh: TriangleMesh | Trimesh) -> bytes:
+def stl_bytes(mesh: Trimesh) -> bytes:
     """The mesh as binary STL, mm in single precision, read back and checked before it is handed out.
 
     Raises Unanswered when the bytes do not hold the same closed solid.
     """
-    first, second = np.moveaxis(np.diff(mesh.triangles, axis=1), 1, 0)
-    across = np.cross(first, second)
-    rows = np.zeros(len(mesh.faces), STL_TRIANGLE)
-    rows["normal"] = across / np.maximum(np.linalg.norm(across, axis=1), TINY)[:, None]
-    rows["corners"] = mesh.triangles
-    data = bytes(STL_HEAD_BYTES - 4) + len(rows).to_bytes(4, "little") + rows.tobytes()
+    from trimesh.exchange.stl import export_stl
+
+    data: bytes = export_stl(mesh)
     read_back(data, mesh)
     return data
 

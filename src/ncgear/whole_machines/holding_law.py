@@ -101,10 +101,8 @@ def _capped(design: Design, caps: Caps) -> Design:
 
 
 def _loads(figures: Figures) -> dict[Damage, float]:
-    """The capped loads of a law."""
-    found = {one: getattr(figures, name) for one, (name, _) in CAPPED.items()}
-    assert None not in found.values()
-    return found
+    """The loads of a law that are capped; known, since gears of a given size are asked for (``law_task``)."""
+    return {one: getattr(figures, name) for one, (name, _) in CAPPED.items()}
 
 
 def _shares(best: BestLaw) -> dict[Damage, float]:
