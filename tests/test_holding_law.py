@@ -94,14 +94,16 @@ def test_a_law_whose_teeth_hold_is_taken_as_it_is(monkeypatch: pytest.MonkeyPatc
     assert (found.flank, found.force, told) == (9.0, 8.0, [1])
 
 
-def test_where_no_law_has_so_little_load_the_nearest_safety_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The law of the offered flank load, 6.25, has 2/2.5 of the wanted safety; that of force 8 has 0.625."""
-    with pytest.raises(NoSuchMechanism, match=r"after 1 law: a law of the least load .* 80 % .* against pitting"):
+def test_where_no_law_has_so_little_load_the_law_of_the_least_is_rated(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of the offered flank load, 6.25, it has 2/2.5 of the wanted safety; where its stress is less, it holds."""
+    with pytest.raises(NoSuchMechanism, match=r"of 2 laws the nearest that was rated has 79.8 % .* against pitting"):
         held(monkeypatch, least=6.25, breaks=-4.0)
+    found, told = held(monkeypatch, least=3.98, breaks=-4.0)
+    assert (found.flank, told) == (pytest.approx(1.005 * 3.98, rel=1e-12), [1, 2])
 
 
 def test_stresses_that_no_law_changes_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(NoSuchMechanism, match=r"after 8 laws: the last has 8\d\.\d % .* breakage"):
+    with pytest.raises(NoSuchMechanism, match=r"of 8 laws the nearest that was rated has 8\d\.\d % .* breakage"):
         held(monkeypatch, breaks=5.5, least=0.0)
 
 

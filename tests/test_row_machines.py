@@ -141,7 +141,8 @@ def test_round_gears_of_a_row_are_as_strong_as_single_pairs_but_for_bending_both
     """24 : 48 : 24 teeth; the idler turns at half the speed and passes on twice the torque.
 
     In its second mesh tooth 1 stands elsewhere than in a single pair, and so do the positions computed: stresses of
-    meetings are 0.2 % off there, but for the last gear, whose largest stress is at a place that is searched.
+    meetings are 0.2 % off there.  The force is even in single contact, so that where its largest value is found, and
+    with it how high on the tooth, follows from rounding errors.
     """
     row = made("{lobes: [1]}", ROUND, "12", 2, 0.0).by_stage
     alone = single(1, 2, "24", 60), single(2, 1, "12", 30)
@@ -153,7 +154,7 @@ def test_round_gears_of_a_row_are_as_strong_as_single_pairs_but_for_bending_both
                 assert one.safety == pytest.approx(pair[gear, damage].safety, rel=rel)
     stresses = [rating_of(one).strength.stresses for one in alone]
     assert rating_of(row[1]).strength.stresses.tension_mpa[1].max() == pytest.approx(
-        stresses[1].tension_mpa[1].max(), rel=1e-9
+        stresses[1].tension_mpa[1].max(), rel=near[1]
     )
     tension = stresses[0].tension_mpa[1].max(), stresses[1].tension_mpa[0].max()
     pressed = stresses[1].compression_mpa[0].max(), stresses[0].compression_mpa[1].max()

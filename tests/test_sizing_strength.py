@@ -330,7 +330,7 @@ def test_the_baler_that_holds() -> None:
     assert holds.design.masses == weak.design.masses
     assert holds.design.motion == weak.design.motion
     least = {one.damage: one.safety for one in sorted(rating_of(holds).weakest, key=lambda one: -one.safety)}
-    assert least[Damage.BENDING] == pytest.approx(1.75, rel=0.05)
+    assert least[Damage.BENDING] == pytest.approx(1.67, rel=0.05)
     assert least[Damage.CONTACT] == pytest.approx(1.17, rel=0.05)
     assert not rating_of(weak).holds
 

@@ -49,6 +49,9 @@ SOON, LANES = 8, 256
 """Swings from rest that settled teeth do before they count, and least steps that count, where parts of a way are
 followed side by side: with a twentieth of critical damping a twelfth is left of a deviation."""
 
+KEPT = 8
+"""Most ways that are kept for further runs: most machines have one in a cycle, and nine have 1.2 million steps."""
+
 CLEAR = 1e-9
 """Share of a way within which an angle counts as its end: far above rounding errors."""
 
@@ -319,7 +322,7 @@ class DrivenSide:
 
 @dataclass(frozen=True, eq=False)
 class Ways:
-    """The ways of a driven side from ``begin_rad`` on, of ``width_rad`` each, ``known`` once they are asked for.
+    """The ways of a driven side from ``begin_rad`` on, of ``width_rad`` each; the last KEPT of them are ``known``.
 
     ``made`` makes the way between two driving angles.
     """
@@ -332,6 +335,8 @@ class Ways:
     def at(self, number: int) -> Way:
         """One of the ways, from 0."""
         if number not in self.known:
+            if len(self.known) == KEPT:
+                del self.known[next(iter(self.known))]
             begin, end = (self.begin_rad + one * self.width_rad for one in (number, number + 1))
             self.known[number] = self.made(begin, end)
         return self.known[number]

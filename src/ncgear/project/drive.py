@@ -222,6 +222,8 @@ class Drive(Geared):
 
         if self.design.drivetrain is None:
             raise WrongInput("missing; it tells bearings, shafts, motor and more around the gears", key="drivetrain")
+        if self.stage is not None:
+            return self.whole.drivetrain
         rigid, knocking, jam = self.rigid, self.knocking, self.jam
         straight = self.by_stage if self.helix is None else ()
         touching = [(TouchingTeeth(one.teeth, one.pitch, one.designed_contact), one.pair) for one in straight]
@@ -243,7 +245,7 @@ class Drive(Geared):
     def knocks(self) -> tuple[Knock, ...] | None:
         """The knocks of all teeth in a turn of the driven gear; None where they are not computed or are refused."""
         try:
-            found = [one.loading_by(self.design.strength.method).knocks for one in self.by_stage]
+            found = [one.loading_by(self.design.strength.method).knocks for one in self.whole.by_stage]
         except DesignError:
             # Shafts and bearings are judged even if the teeth are refused.
             return None
@@ -257,7 +259,7 @@ class Drive(Geared):
 
         if not self.knocks:
             return None
-        each = [one.loading_by(self.design.strength.method).borne for one in self.by_stage]
+        each = [one.loading_by(self.design.strength.method).borne for one in self.whole.by_stage]
         borne = tuple(one for one in each if one is not None)
         return KnockingMachine(self.rigid.machine, self.law.train.pairs, borne) if len(borne) == len(each) else None
 

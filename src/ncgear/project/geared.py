@@ -534,7 +534,7 @@ class Geared(Moving):
     @computed
     def rigid(self) -> Rigid:
         """The forces in the machine at constant driving speed."""
-        return self._rigid(lambda: self.driving)
+        return self._rigid(lambda: self.driving) if self.stage is None else self.whole.rigid
 
     @computed
     def uniform_rigid(self) -> Rigid:

@@ -33,6 +33,9 @@ NEAR = 1.01
 """Share of the wanted safety up to which a capped law counts as the best: caps of the next law differ by less than
 2 %, which is less than the rating knows."""
 
+EASED = 1.005
+"""Ratio of a cap to the least load that a refusal offers, for which a law of few knots was found."""
+
 MOST_LAWS = 8
 """Most laws that are found in sequence; two or three are usual."""
 
@@ -65,30 +68,40 @@ def holding(best: BestLaw, on_law: Callable[[int], None] = lambda laws: None) ->
     teeth hold, and WrongInput where the teeth of a law cannot be rated or
     judged.
     """
-    asked, caps, held, last = best, dict[Damage, float](), None, 0.0
+    asked, caps, held, eased = best, dict[Damage, float](), None, False
+    nearest = dict[Damage, float]()
     for laws in range(1, MOST_LAWS + 1):
         on_law(laws)
-        shares, most = _shares(best), _loads(best.figures)
+        shares, loads = _shares(best), _loads(best.figures)
+        nearest = max(nearest, shares, key=lambda one: min(one.values(), default=0.0))
         if all(share >= 1.0 for share in shares.values()):
             held = best if held is None or best.goal < held.goal else held
         if held is best and min((shares[one] for one in caps), default=1.0) <= NEAR:
             break
         weak = [one for one, share in shares.items() if share < 1.0 or one in caps]
-        caps |= {one: most[one] * (shares[one] / AIMED) ** CAPPED[one][1] for one in weak}
-        if held is None and laws > 1 and min(shares.values()) <= last:
-            # Loads that do not follow the law, as of a jam or of knocks, decide
-            break
-        last = min(shares.values())
+        caps |= {one: loads[one] * (shares[one] / AIMED) ** CAPPED[one][1] for one in weak}
         try:
-            best = CappedLaw(asked, caps)
-            best.law  # noqa: B018
+            best = _found(asked, caps)
         except NoSuchMechanism as none:
-            if held is None:
-                raise _refusal(_with_offers(none, shares, most), laws, eased=True) from none
-            break
+            least = _least_loads(none)
+            if held is not None or eased or not least:
+                break
+            eased = True
+            caps |= {one: EASED * load for one, load in least.items()}
+            try:
+                best = _found(asked, caps)
+            except NoSuchMechanism:
+                break
     if held is None:
-        raise _refusal(shares, laws)
+        raise _refusal(nearest, laws)
     return held
+
+
+def _found(asked: BestLaw, caps: Caps) -> CappedLaw:
+    """The law under caps; raises NoSuchMechanism where there is none."""
+    best = CappedLaw(asked, caps)
+    best.law  # noqa: B018
+    return best
 
 
 def _capped(design: Design, caps: Caps) -> Design:
@@ -119,21 +132,19 @@ def _shares(best: BestLaw) -> dict[Damage, float]:
     return shares
 
 
-def _with_offers(none: NoSuchMechanism, shares: Caps, most: Caps) -> dict[Damage, float]:
-    """The shares of wanted safeties with the caps that a refusal offers: the least loads for which laws were found."""
+def _least_loads(none: NoSuchMechanism) -> dict[Damage, float]:
+    """The loads that a refusal of caps offers: the least for which laws were found."""
     offered = dict(pair for offer in getattr(none, "offers", ()) for pair in offer.values)
-    least = {one: offered.get(f"optimize.limits.{name}", most[one]) for one, (name, _) in CAPPED.items()}
-    return {one: share * (most[one] / least[one]) ** (1.0 / CAPPED[one][1]) for one, share in shares.items()}
+    keys = {one: f"optimize.limits.{name}" for one, (name, _) in CAPPED.items()}
+    return {one: offered[key] for one, key in keys.items() if key in offered}
 
 
-def _refusal(shares: Caps, laws: int, *, eased: bool = False) -> NoSuchMechanism:
-    """The refusal after the last rating; ``eased``: ``shares`` are expected of the least loads that a law can have."""
+def _refusal(shares: Caps, laws: int) -> NoSuchMechanism:
+    """The refusal after the last rating; ``shares`` are those of the law whose teeth are nearest to holding."""
     damage, share = min(shares.items(), key=lambda one: one[1])
-    has = f"{100.0 * share:.3g} % of the safety wanted against {damage.words}"
-    rated = "1 law" if laws == 1 else f"{laws} laws"
-    said = f"a law of the least load that the limits allow has about {has}" if eased else f"the last has {has}"
+    rated = "of the only law" if laws == 1 else f"of {laws} laws the nearest"
     return NoSuchMechanism(
-        f"no law was found whose teeth hold, after {rated}: {said}; ncgear size finds gears that hold, and ncgear "
-        "design law and gears together",
+        f"no law was found whose teeth hold: {rated} that was rated has {100.0 * share:.3g} % of the safety wanted "
+        f"against {damage.words}; ncgear size finds gears that hold, and ncgear design law and gears together",
         key=KEY,
     )

@@ -84,6 +84,11 @@ def unfollowed_motion(rating: Rating) -> str:
             f"the driven side swings slowly on its teeth, {to_digits(loading.borne.slow_swings, 2)} times a cycle, as "
             "with a flywheel, and the load may rouse that; ncgear simulate --level dynamic tells by how much"
         )
+    if loading.borne is not None and loading.borne.fast_swings:
+        return (
+            f"the driven side swings {to_digits(loading.borne.fast_swings, 2)} times a cycle on its teeth, as in slow "
+            "and light machines: too often for knocks to be followed"
+        )
     if loading.knocks is not None or rating.strength.load != "masses" or loading.torque_n_mm.min() >= 0.0:
         return ""
     return "the load changes flanks, where the teeth knock, which is followed only where every shaft has inertia"
