@@ -9,12 +9,15 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from drives import DESIGNS, drive_of_text
 from ncgear.dynamics.crank_load import CrankLoad
-from ncgear.dynamics.driven_side import CHECKED, PER_SWING, SETTLED, FollowedStretch, Knock
+from ncgear.dynamics.driven_side import CHECKED, KEPT, PER_SWING, SETTLED, FollowedStretch, Knock, Ways
 from ncgear.dynamics.flank_changes import BorneTorque, borne_torque, joined
 from ncgear.dynamics.gaps import Gaps
 from ncgear.dynamics.meshing import HARDEST, Friction, Impact, Meshing, moments_n_mm, near_pairs
+from ncgear.figures.advice.strength_advice import unfollowed_motion
 from ncgear.numerics.periodic_table import PeriodicTable
+from ncgear.project.strengthening import rating_of
 
 TURN = 2.0 * pi
 INERTIA, LEVER_MM, STIFFNESS, PLAY_RAD, SPEED = 40.0, 50.0, 4e4, 4e-4, 6.0
@@ -362,3 +365,23 @@ def test_knocks_of_an_uneven_driven_side_are_those_of_another_solver() -> None:
     knocks = np.abs(borne) > np.abs(asked(places)) + 3e4
     assert knocks.any()
     assert np.abs(found.at(places[knocks])).max() == pytest.approx(float(np.abs(borne[knocks]).max()), rel=0.03)
+
+
+def test_so_many_swings_that_knocks_are_not_followed_are_told() -> None:
+    """The knocking baler at a six-hundredth of its speed: its driven side swings 600 times as often in a cycle."""
+    text = (DESIGNS / "baler-holds.yaml").read_text(encoding="utf-8").replace("speed_rpm: 60", "speed_rpm: 0.1")
+    slow = drive_of_text(text)
+    borne = slow.loading_by("estimate").borne
+    assert borne is not None
+    assert borne.knocks is None
+    assert borne.fast_swings == pytest.approx(600.0 * 213.1, rel=0.01)
+    assert "too often for knocks to be followed" in unfollowed_motion(rating_of(slow))
+
+
+def test_ways_that_are_no_longer_asked_for_are_forgotten() -> None:
+    ways = Ways(lambda begin, end: (begin, end), 1.0, 0.5)  # type: ignore[arg-type, return-value]
+    assert [ways.at(number) for number in (0, 3, 0)] == [(1.0, 1.5), (2.5, 3.0), (1.0, 1.5)]
+    for number in range(3 * KEPT):
+        ways.at(number)
+    assert len(ways.known) == KEPT
+    assert min(ways.known) == 2 * KEPT

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from at_once import at_once
+from commands import Run, on_text
 from drives import drive_of_text
 from ncgear.drivetrain.bearings import (
     Bearing,
@@ -30,6 +31,7 @@ from ncgear.figures.advice.drivetrain_advice import around
 from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
 from ncgear.project.face_load import seats_of
+from ncgear.project.strengthening import rating_of
 
 BORED = "{bore_mm: 30, keyway: {width_mm: 8, depth_mm: 3.3}}"
 BEARING = "dynamic_rating_n: 20000, static_rating_n: 12000"
@@ -119,6 +121,27 @@ def test_every_shaft_is_in_balance_at_every_angle() -> None:
     inertia = 1e-3 * 30_000.0 * (4.0 * pi) ** 2 * between.derivative(2)
     assert told[1].torque_n_mm - told[2].torque_n_mm == pytest.approx(inertia, rel=1e-9, abs=1e-6 * largest)
     assert np.abs(inertia).max() > 1000.0
+
+
+def test_a_stage_has_the_forces_of_the_whole_machine() -> None:
+    whole = two()
+    for stage in whole.by_stage:
+        assert stage.rigid is whole.rigid
+        assert stage.whole is whole
+
+
+@pytest.mark.slow
+def test_commands_tell_the_same_of_pairs_in_series(run: Run) -> None:
+    """A strength tells the same safeties as the drive, and shafts, keys and bearings but once."""
+    status, out, err = on_text(run, "strength")(TEXT)
+    assert (status, err) == (0, "")
+    for number, stage in enumerate(two().by_stage, 1):
+        for one in rating_of(stage).weakest:
+            row = next(
+                line for line in out.splitlines() if f"stage {number}: {one.gear.value}, {one.damage.words}" in line
+            )
+            assert float(row.split()[4]) == pytest.approx(one.safety, rel=6e-3)
+    assert out.count("of the shaft between the stages changes its sense") <= 1
 
 
 def test_two_forces_on_a_shaft_add_as_each_alone() -> None:

@@ -141,9 +141,9 @@ def borne_torque(
 ) -> BorneTorque:
     """The torque that the teeth bear where the law demands ``asked`` at a constant driving speed.
 
-    It is ``asked`` itself where this neither reverses nor jumps in a cycle of more than FEW swings.  Knocks are not known
-    in a cycle of more than MOST_SWINGS.  Where teeth knock, they are followed, which gives the knocks, and once more for
-    each share of the play in ``plays``.
+    It is ``asked`` itself where this neither reverses nor jumps in a cycle of more than FEW swings.  Knocks are not
+    known in a cycle of more than MOST_SWINGS.  Where teeth knock, they are followed, which gives the knocks, and once
+    more for each share of the play in ``plays``.
     """
     phi1 = np.linspace(0.0, cycle_rad, SAMPLES, endpoint=False)
     torque = asked(phi1)

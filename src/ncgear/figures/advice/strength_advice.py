@@ -77,7 +77,7 @@ def strength(drive: Drive) -> Advice | NotJudged | None:
 
 
 def unfollowed_motion(rating: Rating) -> str:
-    """Why teeth of a machine with masses may bear more than is known; empty where they do not, or that is known."""
+    """Why teeth may bear more than is known; empty where they do not, or that is known."""
     loading = rating.loading
     if loading.borne is not None and loading.borne.slow_swings:
         return (
@@ -89,7 +89,7 @@ def unfollowed_motion(rating: Rating) -> str:
             f"the driven side swings {to_digits(loading.borne.fast_swings, 2)} times a cycle on its teeth, as in slow "
             "and light machines: too often for knocks to be followed"
         )
-    if loading.knocks is not None or rating.strength.load != "masses" or loading.torque_n_mm.min() >= 0.0:
+    if loading.knocks is not None or not loading.torque_n_mm.min() < 0.0 < loading.torque_n_mm.max():
         return ""
     return "the load changes flanks, where the teeth knock, which is followed only where every shaft has inertia"
 
