@@ -14,14 +14,14 @@ from commands import Run, on_text
 from ncgear.design.keys.design import Design
 from ncgear.design.reading.design_file import load, parsed
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.optimum.offers import Refused
+from ncgear.optimum.makeable.wishes import Goal, Wishes
+from ncgear.optimum.task import Limits
 from ncgear.project.best_law import BestLaw, motion_keys
 from ncgear.project.drive import Drive
 from ncgear.project.strengthening import rating_of
 from ncgear.strength.holding import Damage
 from ncgear.whole_machines import holding_law
 from ncgear.whole_machines.holding_law import CappedLaw, holding
-from ncgear.wishes.wish import Offer
 
 ASKED = """
 strength: {contact_safety: 2.1}
@@ -44,7 +44,7 @@ class Plain:
     pits, breaks = 0.0, 0.0
     """Stresses that no law changes."""
 
-    def __init__(self, asked: Any = None, caps: dict[Damage, float] | None = None) -> None:
+    def __init__(self, asked: Any = None, caps: dict[Damage, float] | None = None, begin: Any = None) -> None:
         caps = caps or {}
         self.flank = min(caps.get(Damage.CONTACT, 9.0), 9.0)
         self.force = min(caps.get(Damage.BENDING, 8.0), 8.0)
@@ -53,8 +53,7 @@ class Plain:
     @property
     def law(self) -> None:
         if self.flank < self.least or self.force < self.least:
-            said, values = "none", (("optimize.limits.flank_load_n_mm", self.least),)
-            raise Refused(said, [Offer("least", values)], "", lambda said, offers: said, each=True, found=True)
+            raise NoSuchMechanism("none")
 
 
 def shares(law: Plain) -> dict[Damage, float]:
@@ -69,6 +68,9 @@ def held(monkeypatch: pytest.MonkeyPatch, **changed: float) -> Any:
         monkeypatch.setattr(Plain, name, changed.get(name, getattr(Plain, name)))
     monkeypatch.setattr(holding_law, "CappedLaw", Plain)
     monkeypatch.setattr(holding_law, "_shares", shares)
+    of_least = Plain(None, {Damage.CONTACT: max(Plain.least, 1e-3)})
+    monkeypatch.setattr(Plain, "wishes", Wishes(Limits(0.2, 5.0), Goal.FLANK_LOAD), raising=False)
+    monkeypatch.setattr(holding_law, "_of_least_load", lambda asked, damage: of_least)
     monkeypatch.setattr(holding_law, "_loads", lambda law: {Damage.CONTACT: law.flank, Damage.BENDING: law.force})
     monkeypatch.setattr(Plain, "figures", property(lambda self: self), raising=False)
     told: list[int] = []
@@ -98,6 +100,10 @@ def test_where_no_law_has_so_little_load_the_law_of_the_least_is_rated(monkeypat
     """Of the offered flank load, 6.25, it has 2/2.5 of the wanted safety; where its stress is less, it holds."""
     with pytest.raises(NoSuchMechanism, match=r"of 2 laws the nearest that was rated has 79.8 % .* against pitting"):
         held(monkeypatch, least=6.25, breaks=-4.0)
+    with pytest.raises(
+        NoSuchMechanism, match=r"99.8 % .*; the law of optimize.goal least_flank_load has teeth that hold"
+    ):
+        held(monkeypatch, least=3.999, breaks=-4.0)
     found, told = held(monkeypatch, least=3.98, breaks=-4.0)
     assert (found.flank, told) == (pytest.approx(1.005 * 3.98, rel=1e-12), [1, 2])
 

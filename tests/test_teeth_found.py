@@ -89,11 +89,12 @@ def test_links_of_a_warning_are_its_teeth(name: str) -> None:
     made_of = drive(name)
     for advice in judged(made_of, KnownParts.TEETH).advices:
         known = teeth_of(made_of, advice.kind)
-        made = ToothLinks().text(advice.what)
-        bracketed = {tooth for _, tooth in links(str(ToothLinks().text(re.sub(r"^[^(]*", "", advice.what), "any")))}
+        said = f"{advice.what}; {advice.meaning}"
+        made = ToothLinks().text(said)
+        bracketed = {tooth for _, tooth in links(str(ToothLinks().text(re.sub(r"^[^(]*", "", said), "any")))}
         assert bool(known) == bool(links(made))
         assert all(one in known or one[1] in bracketed for one in links(made))
-        assert re.sub(r"<[^>]*>", "", made).replace("&#39;", "'") == advice.what
+        assert re.sub(r"<[^>]*>", "", made).replace("&#39;", "'") == said
 
 
 @at_once(

@@ -168,10 +168,14 @@ class BestLaw(SoughtMachine, Shown):
 
         task = task_of(self.design, inertia)
         bound = self._bound_of(task)
-        chosen = self.flywheel or self.lengths
-        known = chosen and chosen.motion
         with self._offering(task):
-            return Begun(inertia, task, bound, known or start_motion(task, self.wishes, bound))
+            return Begun(inertia, task, bound, self.known_motion or start_motion(task, self.wishes, bound))
+
+    @property
+    def known_motion(self) -> Motion | None:
+        """A motion with which the search for a law begins; None where it begins with that of the limit."""
+        chosen = self.flywheel or self.lengths
+        return None if chosen is None else chosen.motion
 
     def _inertia_of_nearest(self, used: TrainInertia) -> TrainInertia | None:
         """The inertia of the gears of the law that comes nearest to keeping the limits.

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from math import inf
+from typing import TYPE_CHECKING
 
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.optimize import Optimize
@@ -21,10 +22,16 @@ from ncgear.project.law_task import drive_with, wishes_of
 from ncgear.project.strengthening import rating_of
 from ncgear.strength.holding import Damage
 
+if TYPE_CHECKING:
+    from ncgear.optimum.certified.limit import Motion
+
 KEY = "optimize.limits.teeth_hold"
 
 CAPPED = {Damage.CONTACT: ("flank_load_n_mm", 2.0), Damage.BENDING: ("tooth_force_n", 1.0)}
 """For each damage the load that is capped, and the power of the safety to which the load is in proportion."""
+
+GOALS = {Damage.CONTACT: "least_flank_load", Damage.BENDING: "least_tooth_force"}
+"""The goals of the laws with the least of these loads."""
 
 AIMED = 1.003
 """Share of the wanted safety for which caps are set, so that the next law holds although factors change a little."""
@@ -34,7 +41,7 @@ NEAR = 1.01
 2 %, which is less than the rating knows."""
 
 EASED = 1.005
-"""Ratio of a cap to the least load that a refusal offers, for which a law of few knots was found."""
+"""Least ratio of a cap to the load of the law that has the least: from there a search has room to move."""
 
 MOST_LAWS = 8
 """Most laws that are found in sequence; two or three are usual."""
@@ -46,9 +53,14 @@ Caps = Mapping[Damage, float]
 class CappedLaw(BestLaw):
     """The best law under caps of loads besides the limits of ``asked``; its certified limit is that of all laws."""
 
-    def __init__(self, asked: BestLaw, caps: Caps) -> None:
+    def __init__(self, asked: BestLaw, caps: Caps, begin: BestLaw | None = None) -> None:
         super().__init__(_capped(asked.given, caps), *asked.settings)
-        self._asked = asked
+        self._asked, self._begin = asked, begin
+
+    @property
+    def known_motion(self) -> Motion | None:
+        """The motion of the law to begin with, if one is given."""
+        return super().known_motion if self._begin is None else self._begin.law.motion
 
     @property
     def asked(self) -> Optimize:
@@ -65,11 +77,10 @@ def holding(best: BestLaw, on_law: Callable[[int], None] = lambda laws: None) ->
     """The best law whose teeth hold: ``best`` if its teeth do, else the best law found under caps of its loads.
 
     ``on_law`` is called with the number of laws that were rated.  Raises NoSuchMechanism where no law was found whose
-    teeth hold, and WrongInput where the teeth of a law cannot be rated or
-    judged.
+    teeth hold, and WrongInput where the teeth of a law cannot be rated or judged.
     """
     asked, caps, held, eased = best, dict[Damage, float](), None, False
-    nearest = dict[Damage, float]()
+    nearest, other = dict[Damage, float](), ""
     for laws in range(1, MOST_LAWS + 1):
         on_law(laws)
         shares, loads = _shares(best), _loads(best.figures)
@@ -82,24 +93,36 @@ def holding(best: BestLaw, on_law: Callable[[int], None] = lambda laws: None) ->
         caps |= {one: loads[one] * (shares[one] / AIMED) ** CAPPED[one][1] for one in weak}
         try:
             best = _found(asked, caps)
-        except NoSuchMechanism as none:
-            least = _least_loads(none)
-            if held is not None or eased or not least:
+        except NoSuchMechanism:
+            if held is not None or eased:
                 break
             eased = True
-            caps |= {one: EASED * load for one, load in least.items()}
             try:
-                best = _found(asked, caps)
+                least = _of_least_load(asked, min(shares, key=lambda one: shares[one]))
+                other = least.wishes.goal.value if min(_shares(least).values()) >= 1.0 else ""
+                caps |= {
+                    one: max(caps[one], EASED * load) for one, load in _loads(least.figures).items() if one in caps
+                }
+                best = _found(asked, caps, least)
             except NoSuchMechanism:
                 break
     if held is None:
-        raise _refusal(nearest, laws)
+        raise _refusal(nearest, laws, other)
     return held
 
 
-def _found(asked: BestLaw, caps: Caps) -> CappedLaw:
-    """The law under caps; raises NoSuchMechanism where there is none."""
-    best = CappedLaw(asked, caps)
+def _found(asked: BestLaw, caps: Caps, begin: BestLaw | None = None) -> CappedLaw:
+    """The law under caps, from the motion of another law on; raises NoSuchMechanism where none is found."""
+    best = CappedLaw(asked, caps, begin)
+    best.law  # noqa: B018
+    return best
+
+
+def _of_least_load(asked: BestLaw, damage: Damage) -> BestLaw:
+    """The law with the least of the load that causes a damage, within the limits as asked."""
+    goal = {"goal": GOALS[damage], "weights": None}
+    design = asked.given.model_copy(update={"optimize": asked.asked.model_copy(update=goal)})
+    best = BestLaw(design, *asked.settings)
     best.law  # noqa: B018
     return best
 
@@ -132,19 +155,13 @@ def _shares(best: BestLaw) -> dict[Damage, float]:
     return shares
 
 
-def _least_loads(none: NoSuchMechanism) -> dict[Damage, float]:
-    """The loads that a refusal of caps offers: the least for which laws were found."""
-    offered = dict(pair for offer in getattr(none, "offers", ()) for pair in offer.values)
-    keys = {one: f"optimize.limits.{name}" for one, (name, _) in CAPPED.items()}
-    return {one: offered[key] for one, key in keys.items() if key in offered}
-
-
-def _refusal(shares: Caps, laws: int) -> NoSuchMechanism:
-    """The refusal after the last rating; ``shares`` are those of the law whose teeth are nearest to holding."""
+def _refusal(shares: Caps, laws: int, other: str) -> NoSuchMechanism:
+    """The refusal after the last rating: the shares of the nearest law, and another goal whose law's teeth hold."""
     damage, share = min(shares.items(), key=lambda one: one[1])
     rated = "of the only law" if laws == 1 else f"of {laws} laws the nearest"
+    goal = f"the law of optimize.goal {other} has teeth that hold; " if other else ""
     return NoSuchMechanism(
         f"no law was found whose teeth hold: {rated} that was rated has {100.0 * share:.3g} % of the safety wanted "
-        f"against {damage.words}; ncgear size finds gears that hold, and ncgear design law and gears together",
+        f"against {damage.words}; {goal}ncgear size finds gears that hold, and ncgear design law and gears together",
         key=KEY,
     )
