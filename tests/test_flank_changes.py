@@ -368,13 +368,13 @@ def test_knocks_of_an_uneven_driven_side_are_those_of_another_solver() -> None:
 
 
 def test_so_many_swings_that_knocks_are_not_followed_are_told() -> None:
-    """The knocking baler at a six-hundredth of its speed: its driven side swings 600 times as often in a cycle."""
-    text = (DESIGNS / "baler-holds.yaml").read_text(encoding="utf-8").replace("speed_rpm: 60", "speed_rpm: 0.1")
+    """The knocking baler at 0.05 r/min for 60: its driven side swings 1200 times as often in a cycle."""
+    text = (DESIGNS / "baler-holds.yaml").read_text(encoding="utf-8").replace("speed_rpm: 60", "speed_rpm: 0.05")
     slow = drive_of_text(text)
     borne = slow.loading_by("estimate").borne
     assert borne is not None
     assert borne.knocks is None
-    assert borne.fast_swings == pytest.approx(600.0 * 213.1, rel=0.01)
+    assert borne.fast_swings == pytest.approx(1200.0 * 213.1, rel=0.01)
     assert "too often for knocks to be followed" in unfollowed_motion(rating_of(slow))
 
 

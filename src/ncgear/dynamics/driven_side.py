@@ -50,7 +50,7 @@ SOON, LANES = 8, 256
 followed side by side: with a twentieth of critical damping a twelfth is left of a deviation."""
 
 KEPT = 8
-"""Most ways that are kept for further runs: most machines have one in a cycle, and nine have 1.2 million steps."""
+"""Most ways that are kept for further runs.  Most machines have one way in a cycle."""
 
 CLEAR = 1e-9
 """Share of a way within which an angle counts as its end: far above rounding errors."""
