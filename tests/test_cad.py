@@ -68,8 +68,9 @@ open("design.yaml", "w").write(text.replace("face_width_mm: 6", "face_width_mm: 
 until(lambda: told() != seen[0])
 seen.append(told())
 open("design.yaml", "w").write(text.replace("face_width_mm: 6", "face_width_mm: -9"))
-gears.followed()
-gears.shown(gears.answers.get())
+refused, show = [], gears.shown
+gears.shown = lambda answer: (refused.append(answer), show(answer))
+until(lambda: refused)
 seen.append(told())
 json.dump(seen, open("told.json", "w"))
 gears.process.stdin.close()
