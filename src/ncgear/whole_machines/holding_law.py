@@ -104,7 +104,8 @@ def holding(best: BestLaw, on_law: Callable[[int], None] = lambda laws: None) ->
                     one: max(caps[one], EASED * load) for one, load in _loads(least.figures).items() if one in caps
                 }
                 best = _found(asked, caps, least)
-            except NoSuchMechanism:
+            except DesignError:
+                # Also where the gears of that law cannot be rated: the nearest law is told
                 break
     if held is None:
         raise _refusal(nearest, laws, other)
