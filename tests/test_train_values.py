@@ -22,7 +22,7 @@ from ncgear.ratio.transmission import Lobes
 from ncgear.teeth.gear import ToothedPair
 from ncgear.trains import path_search
 from ncgear.trains.contact import contacts_of, distances_of
-from ncgear.trains.loads import PutMass, TrainLoads, loads_of
+from ncgear.trains.loads import JointForces, PutMass, TrainLoads, loads_of
 from ncgear.trains.path_search import PathLimits, burden, crowding, found_motion, pair_figures, tool_mount
 from ncgear.trains.planetary import shared_chain
 from ncgear.trains.planetary_told import told_of
@@ -367,8 +367,13 @@ def test_a_counterweight_is_told_that_takes_a_tenth_off(left: float, balanced: b
         np.angle(wave), 3.0 * wave.real + 1.0, 20.0 * wave, 5.0 * wave.imag, 40.0j, left * 20.0 * wave, 7.0
     )
     pair = sized_pair(uniform_law(Lobes()), 20, 4.0, None)
-    told = told_of(carried(), "compound", (pair, pair), radians(20.0), None, None, 0.0, loads)
+    forces = {"planet_1": 3.0 * wave, "planet_2": -9.0 * wave, "idler_1": 1j * wave}
+    joints = JointForces({("sun", "idler_1"): 4.0 * wave, ("sun", "idler_2"): 2.0 * wave}, forces)
+    told = told_of(carried(), "compound", (pair, pair), radians(20.0), None, None, 0.0, (loads, joints))
     found = told.figures
+    assert found["tooth_forces_max_n"] == pytest.approx({"sun and idler": 4.0})
+    assert found["axis_forces_max_n"] == pytest.approx({"planet": 9.0, "idler": 1.0})
+    assert ("on the axes", "planet 9 N; idler 1 N at most") in told.rows
     assert (found["torque_min_n_m"], found["torque_max_n_m"], found["torque_mean_n_m"]) == pytest.approx(
         (-2.0, 4.0, 1.0)
     )

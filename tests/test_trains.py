@@ -27,7 +27,7 @@ from ncgear.pitch.pair import sized_pair
 from ncgear.pitch.shape import Gear
 from ncgear.ratio.laws.spline import even_steps, spline_ratio_staged
 from ncgear.trains.contact import contacts_of, distances_of
-from ncgear.trains.loads import PutMass, body_of, loads_of
+from ncgear.trains.loads import PutMass, _driving, body_of, joint_forces, loads_of
 from ncgear.trains.path_search import PathLimits, found_motion, pair_figures, segment_distances, tool_mount
 from ncgear.trains.tip_path import TipMotion, WishedPath, missed_mm, motion_from
 from ncgear.trains.train import Part, PinHole, Poses, Train
@@ -371,6 +371,44 @@ def test_torque_and_shaking_force_are_those_of_newton_and_euler(arms: int) -> No
     ]
     assert np.mean(np.abs(loads.left_n) ** 2) == pytest.approx(left[0], rel=1e-9, abs=1e-12)
     assert min(left) == left[0]
+
+
+@pytest.mark.parametrize("keys", [{"arms": 2}, {"carrier_ratio": (1.2, 1.0, 0.8, 1.0)}])
+def test_forces_of_teeth_and_axes_are_those_of_newton_and_euler(keys: dict[str, Any]) -> None:
+    train = replace(planetary(**keys, arm_mm=90.0, arm_deg=25.0), speed_rpm=600.0)
+    put = [PutMass(trace.part, complex(*trace.at_mm), 0.4) for trace in train.traces]
+    found, driving = joint_forces(train, np.radians(20.0), 7850.0, put, -9806.65j), _driving(train)
+    for number in (0, 100, 333, 700, 1201):
+        judge = NewtonAndEuler(train, 7850.0, 0.4, float(driving[number]))
+        judge.solved()
+        for forces, wanted in ((found.teeth_n, judge.teeth), (found.axes_n, judge.axes)):
+            assert set(forces) == set(wanted)
+            for name, one in wanted.items():
+                assert forces[name][number] == pytest.approx(one, abs=2e-4 * np.abs(forces[name]).max())
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [
+        {"arm_mm": 90.0, "idler": "shared", "bend_deg": -70.0},
+        {"idler": "ring", "planet_turns": 3, "ratio": (1.15, 1.0, 0.9, 1.0), "gears": {**GEARS, "rim_mm": 6.0}},
+    ],
+)
+def test_axes_give_the_carrier_the_torque_of_virtual_work(keys: dict[str, Any]) -> None:
+    """The moments of all axes about the carrier's, and of the carrier's own weight."""
+    train = replace(planetary(**keys), speed_rpm=300.0)
+    put = [PutMass(trace.part, complex(*trace.at_mm), 0.4) for trace in train.traces]
+    found, loads = (
+        joint_forces(train, np.radians(20.0), 7850.0, put, -9806.65j),
+        loads_of(train, 7850.0, put, -9806.65j),
+    )
+    poses, carrier = train.poses_at(loads.driving_rad), train.number("carrier")
+    axis, turn = poses.places(carrier)
+    body = body_of(train.part("carrier"), 7850.0)
+    torque = (np.conj(body.center_mm * turn) * body.kg * 9806.65j).imag / 1e6
+    for name, force in found.axes_n.items():
+        torque += ((poses.places(train.number(name))[0] - axis).conj() * force).imag / 1e3
+    assert torque == pytest.approx(loads.torque_n_m, abs=1e-9 * np.abs(loads.torque_n_m).max())
 
 
 @pytest.mark.slow

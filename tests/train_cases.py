@@ -39,10 +39,14 @@ class NewtonAndEuler:
     """Torque of the carrier and force on the frame, from each body's own equations, with the forces in all joints.
 
     Velocities and accelerations are differences of poses; the force between two gears acts in the pitch point, which
-    divides the line of their axes by their speeds against the carrier, at 20 deg to its perpendicular.
+    divides the line of their axes by their speeds against the carrier, at 20 deg to the way of the pitch point in the
+    first gear, and away from it.  ``teeth`` and ``axes`` have the forces in N as soon as all is solved.
     """
 
     def __init__(self, train: Train, density: float, tool_kg: float, driving: float) -> None:
+        self.asked, self.driving = (train, density, tool_kg), driving
+        self.teeth: dict[tuple[str, str], complex] = {}
+        self.axes: dict[str, complex] = {}
         self.train, self.speed = train, train.speed_rpm * 2.0 * np.pi / 60.0
         poses = train.poses_at(driving + STEP_RAD * np.arange(-2, 3))
         self.place = {p.name: poses.x_mm[n] + 1j * poses.y_mm[n] for n, p in enumerate(train.parts)}
@@ -67,13 +71,27 @@ class NewtonAndEuler:
             force += one
         return turning, force
 
-    def mesh(self, first: str, second: str, turning: float) -> tuple[complex, complex]:
-        """The force on the second gear that gives it a moment about its axis, and the pitch point."""
+    def pitch_point(self, first: str, second: str) -> complex:
+        """The pitch point of two gears."""
         one, other = (self.rates(self.angle[name] - self.angle["carrier"])[0] for name in (first, second))
         start, end = self.place[first][2], self.place[second][2]
-        point = start + (end - start) * other / (other - one)
-        way = 1j * np.exp(np.radians(20.0) * 1j) * (end - start) / abs(end - start)
-        return way * turning / ((point - end).conjugate() * way).imag, point
+        return complex(start + (end - start) * other / (other - one))
+
+    def mesh(self, first: str, second: str, turning: float) -> tuple[complex, complex]:
+        """The force on the second gear that gives it a moment about its axis, and the pitch point."""
+        point, ends = self.pitch_point(first, second), []
+        for step in (-STEP_RAD, STEP_RAD):
+            near = NewtonAndEuler(*self.asked, self.driving + step)
+            seen = (near.pitch_point(first, second) - near.place[first][2]) * np.exp(-1j * near.angle[first][2])
+            ends.append(seen * np.exp(1j * self.angle[first][2]))
+        way = (ends[1] - ends[0]) / abs(ends[1] - ends[0])
+        away = 1j * way
+        if (away.conjugate() * (point - self.place[first][2])).real < 0.0:
+            away = -away
+        arm = point - self.place[second][2]
+        pushed = [np.cos(np.radians(20.0)) * side + np.sin(np.radians(20.0)) * away for side in (way, -way)]
+        sizes = [turning / (arm.conjugate() * push).imag for push in pushed]
+        return next(size * push for size, push in zip(sizes, pushed, strict=True) if size >= 0.0), point
 
     def solved(self) -> tuple[float, complex, list[float]]:
         """Torque in N m, the force of inertia on the frame in N, and the moments of the meshes of the first arm in N m.
@@ -97,6 +115,8 @@ class NewtonAndEuler:
                 turning -= ((at - pivot).conjugate() * back).imag
                 moments.append(turning / 1e6)
                 pushed, point = self.mesh(driver, names[0], turning)
+                self.teeth[driver, names[0]] = pushed / 1e3
+                self.axes[names[0]] = (force - back - pushed) / 1e3
                 torque += ((pivot - axis).conjugate() * (force - back - pushed)).imag
                 back, at = -pushed, point
         weights = 9806.65j * sum(body.kg for body in self.bodies.values())

@@ -2,13 +2,15 @@
 
 Every part is a rigid body of one density: its outline times its width, without bore and holes; masses can be added at
 points of parts.  The driving torque follows from virtual work: at each driving angle the driving part does the work of
-the inertia forces and the weights of all bodies.  Friction and play are left out.  Derivatives by the driving angle
-come from the Fourier series through evenly spaced poses of a cycle, so the train must stand after a cycle as before it.
+the inertia forces and the weights of all bodies.  Forces of teeth and axes follow from the balance of each body, from
+the last one to the sun.  Friction and play are left out.  Derivatives by the driving angle come from the Fourier series
+through evenly spaced poses of a cycle, so the train must stand after a cycle as before it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Iterable, Sequence
 from math import pi
 
 import numpy as np
@@ -17,7 +19,7 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.plane import as_complex
 from ncgear.numerics.units import RAD_S_PER_RPM
-from ncgear.trains.train import Part, Poses, Train
+from ncgear.trains.train import GROUND, GearMesh, Part, Poses, Train
 
 POSITIONS = 1440
 """Poses of a cycle: a quarter of a degree, so that a thirtieth harmonic has 48 poses."""
@@ -65,6 +67,31 @@ class TrainLoads:
     def swing_n_m(self) -> tuple[float, float]:
         """Least and greatest torque."""
         return float(self.torque_n_m.min()), float(self.torque_n_m.max())
+
+
+@dataclass(frozen=True, eq=False)
+class JointForces:
+    """Forces in N at the driving angles of ``TrainLoads``: complex numbers in the frame of the ground, shape (n,) each.
+
+    ``teeth_n`` has the force of the first part's teeth on the second's for each mesh, by the names of both parts;
+    ``axes_n`` has the force with which the carrier's axis holds a body, by the name of its first part.
+    """
+
+    teeth_n: dict[tuple[str, str], ComplexArray]
+    axes_n: dict[str, ComplexArray]
+
+    def largest_n(self) -> tuple[dict[str, float], dict[str, float]]:
+        """Greatest forces between teeth and on axes, of all arms; their numbers are left out of the names."""
+        teeth = ((f"{first} and {second}", force) for (first, second), force in self.teeth_n.items())
+        return _largest(teeth), _largest(self.axes_n.items())
+
+
+def _largest(forces: Iterable[tuple[str, ComplexArray]]) -> dict[str, float]:
+    found: dict[str, float] = {}
+    for name, force in forces:
+        kind = re.sub(r"_\d+", "", name)
+        found[kind] = max(found.get(kind, 0.0), float(np.abs(force).max()))
+    return found
 
 
 def moments_of(outline: ComplexArray) -> tuple[float, complex, float]:
@@ -194,6 +221,65 @@ def turning_load(
     even = about_axis * faster * speed**2
     rate, torque, even = (sense * np.append(one, one[0]) for one in (rate, moment, even))
     return TurningLoad(sense * (turned - turned[0]), rate, torque / MM_PER_M**2, even / MM_PER_M**2, about_axis)
+
+
+def joint_forces(
+    train: Train, rack_rad: float, density_kg_m3: float, put: Sequence[PutMass], gravity_mm_s2: complex
+) -> JointForces:
+    """Forces of teeth and axes of a planetary train whose teeth have the rack's pressure angle ``rack_rad``.
+
+    The moments about a body's axis give the force in its last mesh that is not known yet; its axis bears what is left
+    of its forces.  Teeth push in the pitch point, at the rack's angle to the tangent of the pitch curves, with the
+    flanks that the moment asks for.
+    """
+    speed = train.speed_rpm * RAD_S_PER_RPM
+    poses = train.poses_at(np.append(_driving(train), train.cycle_rad))
+    moving = [_moving(train, poses, number, density_kg_m3, put) for number in range(len(train.parts))]
+    axes = [poses.places(number)[0][:-1].astype(complex) for number in range(len(train.parts))]
+    force: dict[str, ComplexArray] = {}
+    moment: dict[str, Array] = {}
+    for part, one in zip(train.parts, moving, strict=True):
+        body = train.body(part)
+        if body != GROUND and np.ptp(axes[train.number(body)].real) > 0.0:
+            needed = one.body.kg * (one.acceleration * speed**2 - gravity_mm_s2)
+            turning = ((one.center - axes[train.number(body)]).conj() * needed).imag
+            force[body] = force.get(body, 0.0) + needed
+            moment[body] = moment.get(body, 0.0) + turning + one.body.kg_mm2 * one.faster * speed**2
+    teeth, left = {}, list(train.meshes)
+    while left:
+        meshes = {body: [mesh for mesh in left if body in _bodies(train, mesh)] for body in force}
+        body, (mesh,) = next((name, own) for name, own in meshes.items() if len(own) == 1)
+        left.remove(mesh)
+        numbers = train.number(mesh.first), train.number(mesh.second)
+        point, ways = _pushes([axes[n] for n in numbers], [moving[n].spin for n in numbers], train.cycle_rad, rack_rad)
+        sides = dict(zip(_bodies(train, mesh), (-1.0, 1.0), strict=True))
+        lever = [sides[body] * ((point - axes[train.number(body)]).conj() * way).imag for way in ways]
+        sizes = [moment[body] / one for one in lever]
+        found = np.where(sizes[0] >= 0.0, sizes[0] * ways[0], sizes[1] * ways[1])
+        teeth[mesh.first, mesh.second] = found / MM_PER_M
+        for name in force.keys() & sides.keys():
+            force[name] = force[name] - sides[name] * found
+            moment[name] = moment[name] - sides[name] * ((point - axes[train.number(name)]).conj() * found).imag
+    return JointForces(teeth, {name: one / MM_PER_M for name, one in force.items()})
+
+
+def _bodies(train: Train, mesh: GearMesh) -> tuple[str, str]:
+    return train.body(train.part(mesh.first)), train.body(train.part(mesh.second))
+
+
+def _pushes(
+    axes: Sequence[ComplexArray], spins: Sequence[Array], period: float, rack_rad: float
+) -> tuple[ComplexArray, tuple[ComplexArray, ComplexArray]]:
+    """The pitch point, and where either flank of the first gear pushes the second one, shape (n,) each."""
+    line = axes[1] - axes[0]
+    turning = (line.conj() * _derivative(line, 1, period)).imag / np.abs(line) ** 2
+    one, other = (spin - turning for spin in spins)
+    arm = line * other / (other - one)
+    radius = np.abs(arm)
+    # The tangent of the first pitch curve, which the pitch point runs back as the gear turns on
+    tangent = arm * (1j * radius - _derivative(radius.astype(complex), 1, period).real / one)
+    tangent /= np.abs(tangent)
+    return axes[0] + arm, (tangent * np.exp(-1j * rack_rad), -tangent * np.exp(1j * rack_rad))
 
 
 def _derivative(values: ComplexArray, order: int, period: float) -> ComplexArray:

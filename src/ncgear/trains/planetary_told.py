@@ -12,7 +12,7 @@ from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.plane import as_complex
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
-from ncgear.trains.loads import TrainLoads
+from ncgear.trains.loads import JointForces, TrainLoads
 from ncgear.trains.path_search import tool_mount
 from ncgear.trains.tip_path import TipMotion, WishedPath, distances_mm
 from ncgear.trains.train import Train, TrainCondition, TrainFigures
@@ -34,7 +34,7 @@ def told_of(
     wished: WishedPath | None,
     motion: TipMotion | None,
     forward_mm_s: float,
-    loads: TrainLoads | None,
+    loads: tuple[TrainLoads, JointForces] | None,
     pace: Array | None = None,
 ) -> TrainFigures:
     """Figures and conditions of a train, from the pairs of one arm, the pair of the sun first.
@@ -87,7 +87,7 @@ def told_of(
         conditions += condition
     unknown: tuple[TrainCondition, ...] = NOT_JUDGED
     if loads is not None:
-        load_rows, load_figures, unknown = _of_loads(loads)
+        load_rows, load_figures, unknown = _of_loads(*loads)
         rows += load_rows
         figures |= load_figures
     inside = "planets in a ring" if idler == "ring" else f"{idler} idler"
@@ -114,13 +114,20 @@ WORTH = 0.1
 
 def _of_loads(
     loads: TrainLoads,
+    joints: JointForces,
 ) -> tuple[list[tuple[str, str]], dict[str, Any], tuple[TrainCondition, ...]]:
-    """The torque of the carrier and the forces on the frame, and whether a counterweight on the carrier would help."""
+    """The torque of the carrier, the forces of teeth, axes and frame, and whether a counterweight helps."""
     low, high = loads.swing_n_m
+    teeth, axes = joints.largest_n()
     now, left = float(np.abs(loads.force_n).max()), float(np.abs(loads.left_n).max())
     weight, where = abs(loads.counterweight_kg_mm), float(np.degrees(np.angle(loads.counterweight_kg_mm)))
     rows = [
         ("torque of the carrier", f"{low:.4g} to {high:.4g} N m at even speed, without friction"),
+        *(
+            (where, "; ".join(f"{name} {most:.4g} N" for name, most in forces.items()) + " at most")
+            for where, forces in (("between teeth", teeth), ("on the axes", axes))
+            if forces
+        ),
         ("on the frame", f"inertia forces to {now:.4g} N, moment to {np.abs(loads.moment_n_m).max():.4g} N m"),
     ]
     figures = {
@@ -128,6 +135,8 @@ def _of_loads(
         "torque_min_n_m": low,
         "torque_max_n_m": high,
         "torque_mean_n_m": float(loads.torque_n_m.mean()),
+        "tooth_forces_max_n": teeth,
+        "axis_forces_max_n": axes,
         "shaking_force_max_n": now,
         "shaking_moment_max_n_m": float(np.abs(loads.moment_n_m).max()),
         "counterweight_kg_mm": weight,
@@ -138,7 +147,7 @@ def _of_loads(
     would = f"{weight:.4g} kg mm on the carrier, at first at {where:.4g} deg, would leave {left:.4g} of {now:.4g} N"
     balanced = f"no counterweight on the carrier takes a tenth off its {now:.4g} N"
     balance = TrainCondition("balance", not needed, would if needed else balanced)
-    forces = TrainCondition("forces", None, "a check rates no teeth, shafts and bearings; the torque is told")
+    forces = TrainCondition("forces", None, "a check rates no teeth, shafts and bearings; torque and forces are told")
     return rows, figures, (balance, forces)
 
 

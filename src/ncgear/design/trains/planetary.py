@@ -239,7 +239,7 @@ class Planetary(RatedTrain):
     def _train(self, motion: TipMotion | None, wished: WishedPath | None) -> Train:
         """The train of the keys; raises NoSuchMechanism if no such gears exist."""
         from ncgear.solids.plan.room import INNER_WALL_IN_MODULES
-        from ncgear.trains.loads import loads_of
+        from ncgear.trains.loads import joint_forces, loads_of
         from ncgear.trains.planetary import Arm, Bodies, Stand, arm_of, planetary_train, stand_of
         from ncgear.trains.planetary_told import told_of
 
@@ -258,10 +258,10 @@ class Planetary(RatedTrain):
         turned = _carrier_rad(pace)
         made = planetary_train(chain, arm, self.arms, bodies, self.speed_rpm, chord_mm, self.sun_turns, stand, turned)
         forward_mm_s = 0.0 if self.path is None else self.path.forward_mm_s
-        masses, loads = self.masses, None
+        masses, loads, rack_rad = self.masses, None, self.gears.pressure_angle_rad
         if masses is not None:
-            loads = loads_of(made, masses.density_kg_m3, self._tools(made, masses), masses.gravity)
-        rack_rad = self.gears.pressure_angle_rad
+            weights = masses.density_kg_m3, self._tools(made, masses), masses.gravity
+            loads = loads_of(made, *weights), joint_forces(made, rack_rad, *weights)
         told = told_of(made, self.idler, pitches, rack_rad, wished, motion, forward_mm_s, loads, pace)
         return replace(made, told=told)
 
