@@ -27,7 +27,7 @@ from ncgear.pitch.pair import sized_pair
 from ncgear.pitch.shape import Gear
 from ncgear.ratio.laws.spline import even_steps, spline_ratio_staged
 from ncgear.trains.contact import contacts_of, distances_of
-from ncgear.trains.loads import PutMass, _driving, body_of, joint_forces, loads_of
+from ncgear.trains.loads import PutMass, body_of, joint_forces, loads_of
 from ncgear.trains.path_search import PathLimits, found_motion, pair_figures, segment_distances, tool_mount
 from ncgear.trains.tip_path import TipMotion, WishedPath, missed_mm, motion_from
 from ncgear.trains.train import Part, PinHole, Poses, Train
@@ -377,7 +377,8 @@ def test_torque_and_shaking_force_are_those_of_newton_and_euler(arms: int) -> No
 def test_forces_of_teeth_and_axes_are_those_of_newton_and_euler(keys: dict[str, Any]) -> None:
     train = replace(planetary(**keys, arm_mm=90.0, arm_deg=25.0), speed_rpm=600.0)
     put = [PutMass(trace.part, complex(*trace.at_mm), 0.4) for trace in train.traces]
-    found, driving = joint_forces(train, np.radians(20.0), 7850.0, put, -9806.65j), _driving(train)
+    found = joint_forces(train, np.radians(20.0), 7850.0, put, -9806.65j)
+    driving = loads_of(train, 7850.0, put, -9806.65j).driving_rad
     for number in (0, 100, 333, 700, 1201):
         judge = NewtonAndEuler(train, 7850.0, 0.4, float(driving[number]))
         judge.solved()
