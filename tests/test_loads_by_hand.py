@@ -173,7 +173,8 @@ def test_a_root_bears_what_the_standard_says_of_a_load_on_the_flank(gear: Gear) 
     rims = (lambda phi: 1.0 + phi, lambda phi: 1.2 + phi)
     plan = ToothPlan(RACK, 1.0, (0.2, -0.1), (ANGLE, ANGLE), None, rims)
     running: Any = Made(module_mm=MODULE)
-    (found,) = without_teeth._root_stress(SharedLoad(load, ANGLE, *rows, teeth), gear, plan, running)
+    shared = SharedLoad(load, ANGLE, *rows, teeth, np.zeros((1, 1), dtype=int))
+    ((found,),) = without_teeth._root_stress(shared, gear, plan, running)
     radius = RADII[place]
     at = hypot(radius * cos(ANGLE), radius * sin(ANGLE) + (1.0 if gear is Gear.DRIVING else 0.0))
     section = root_section(float(TEETH[place]), plan.shifts[place], RACK, ANGLE)
@@ -339,3 +340,19 @@ def test_rings_keep_their_sense_in_a_mirror() -> None:
     ring = np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 2.0]])
     assert Polygon(mirrored(ring)).exterior.is_ccw
     assert {tuple(point) for point in mirrored(ring)} == {(0.0, 0.0), (3.0, 0.0), (3.0, -2.0)}
+
+
+@pytest.mark.judges("strength")
+def test_a_root_that_both_flanks_load_alike_has_seven_tenths_of_the_strength() -> None:
+    """Teeth 1 and 2 of three: the back presses tooth 1 with as much, and no other tooth bears both."""
+    rows = np.zeros((1, 2)), np.zeros(2), np.zeros((1, 2)), np.zeros((1, 2)), np.zeros((2, 1, 2))
+    sides = [
+        SharedLoad(Made(urge=np.full(2, urge)), ANGLE, *rows, np.array([teeth]))  # type: ignore[arg-type]
+        for urge, teeth in ((1.0, [1, 2]), (-1.0, [4, 0]))
+    ]
+    stress = [np.array([[70.0, 70.0]]), np.array([[70.0, 30.0]])]
+    found = without_teeth._alternating(sides, stress, Gear.DRIVING, 3)
+    assert np.array(found) == pytest.approx(np.array([[100.0, 70.0], [100.0, 30.0]]))
+    # The driven gear's tooth on a pushing flank is the one before
+    found = without_teeth._alternating(sides, stress, Gear.DRIVEN, 3)
+    assert np.array(found) == pytest.approx(np.array([[70.0 + 30.0 * 3.0 / 7.0, 100.0], [100.0, 60.0]]))

@@ -36,7 +36,8 @@ from ncgear.project.tolerance import _mesh_and_limits, lot_of
 from ncgear.project.tolerance_limits import left_of_backlash, tolerances_of
 from ncgear.screening.designs import Screening, as_in_file, screened_part
 from ncgear.strength.holding import Damage
-from ncgear.strength.life import MEAN_STRESS, pressed_mpa
+from ncgear.strength.life import pressed_mpa
+from ncgear.strength.material import MEAN_STRESS
 from ncgear.trains.chain import same_flanks
 from verdicts import verdict_on
 

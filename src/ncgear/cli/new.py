@@ -72,6 +72,9 @@ def new(
     teeth: Annotated[int | None, typer.Option(help="Teeth of the driving gear.")] = None,
     module_mm: Annotated[float | None, typer.Option(help="Module.")] = None,
     face_width_mm: Annotated[float | None, typer.Option(help="Face width of the gears.")] = None,
+    application_factor: Annotated[
+        float | None, typer.Option(help="Shocks beyond the load: 1 none, 1.25 light, 1.5 moderate, 1.75 heavy.")
+    ] = None,
     yes: Annotated[
         bool, typer.Option("--yes", "-y", help="Ask nothing; take the template for what is left out.")
     ] = False,
@@ -88,6 +91,7 @@ def new(
         "teeth": teeth,
         "module_mm": module_mm,
         "face_width_mm": face_width_mm,
+        "application_factor": application_factor,
     }
     asked = {"design": design or None, "wish": wish}
     if example is not None:
@@ -131,7 +135,7 @@ def _write_asked(
     from ncgear.design.reading.design_file import parsed
     from ncgear.project.drive import Drive
 
-    sought = {"law": law, **{key: value for key, value in sizes.items() if key not in SIZES_OF_MACHINES}}
+    sought = {"law": law, **{key: value for key, value in sizes.items() if key not in ASKED_OF_MACHINES}}
     for option, value in sought.items():
         if value is not None:
             problem = "given with --design, which finds it; leave it out"
@@ -141,7 +145,8 @@ def _write_asked(
     ask = _person_can_answer() and not yes
     path = _free((name or _asked_name()) if ask else name)
     kind = machine or (_asked_machine() if ask else MachineName.PUSHER)
-    own = _asked_sizes(kind, given, given) if ask else given
+    # The question of the force asks for the shocks, too
+    own = _asked_sizes(kind, given, given, SIZES_OF_MACHINES) if ask else given
     told = wishes_told(wishes or (_asked_wishes() if ask else []))
     text = begun(path.stem, kind, own)
     answers = likely_answers(text)
@@ -239,7 +244,7 @@ def _ask_and_write(
     path = _free(name or _asked_name())
     beginning, sizes = beginning or _asked_beginning(), given
     while True:
-        sizes = _asked_sizes(beginning, given, sizes)
+        sizes = _asked_sizes(beginning, given, sizes, ASKED_OF_MACHINES)
         told = wishes or _asked_wishes()
         try:
             return _write(path, beginning, sizes, told)
@@ -305,7 +310,9 @@ def _buildable(name: str, beginning: Beginning, sizes: dict[str, float], wishes:
 NO_MORE = "none"
 
 SIZES_OF_MACHINES = ("stroke_mm", "speed_rpm")
-"""Sizes that a person is asked for a machine."""
+"""Sizes of a machine for which a person is asked."""
+
+ASKED_OF_MACHINES = (*SIZES_OF_MACHINES, "application_factor")
 
 QUESTIONS = {
     "stroke_mm": "stroke of the slider in mm",
@@ -315,6 +322,7 @@ QUESTIONS = {
     "teeth": "teeth of the driving gear",
     "module_mm": "module in mm",
     "face_width_mm": "face width of the gears in mm",
+    "application_factor": "factor of shocks beyond the load: 1 none, 1.25 light, 1.5 moderate, 1.75 heavy",
 }
 
 
@@ -342,8 +350,10 @@ def _asked_of(question: str, choices: Mapping[One, str]) -> One:
     return told[_asked(question, "1", lambda answer: None if answer in told else fault)]
 
 
-def _asked_sizes(beginning: Beginning, given: Mapping[str, float], before: Mapping[str, float]) -> dict[str, float]:
-    """All sizes of a law's design, stroke and speed of a machine; a person is asked for sizes that are not ``given``.
+def _asked_sizes(
+    beginning: Beginning, given: Mapping[str, float], before: Mapping[str, float], of_machine: Sequence[str]
+) -> dict[str, float]:
+    """All sizes of a law's design, ``of_machine`` of a machine; a person is asked for what is not ``given``.
 
     The likely answer to a question is the answer in ``before``, or else follows from the answers so far.
     """
@@ -351,9 +361,10 @@ def _asked_sizes(beginning: Beginning, given: Mapping[str, float], before: Mappi
 
     lengths = "stroke_mm", "crank_mm"
     if isinstance(beginning, MachineName):
-        asked = list(SIZES_OF_MACHINES)
+        asked = list(of_machine)
     else:
-        asked = [law_keys(beginning).ASKED_LENGTH, *(one for one in QUESTIONS if one not in lengths)]
+        sizes = (one for one in QUESTIONS if one not in (*lengths, "application_factor"))
+        asked = [law_keys(beginning).ASKED_LENGTH, *sizes]
     # Stroke and crank determine each other, so only one of them is asked for.
     known = {*given, *(lengths if set(lengths) & set(given) else ())}
     found = dict(given)

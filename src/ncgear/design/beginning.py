@@ -39,6 +39,7 @@ ANSWERS = {
     "teeth": "gears.teeth",
     "module_mm": "gears.module_mm",
     "face_width_mm": "gears.face_width_mm",
+    "application_factor": "strength.application_factor",
 }
 """The possible answers, each with the key of the design file whose rules it must keep."""
 
@@ -124,7 +125,7 @@ def proportioned(answers: Mapping[str, float], beginning: Beginning = DEFAULT_LA
 def usual_answers(beginning: Beginning = DEFAULT_LAW) -> dict[str, float]:
     """The answers that give the unchanged text of a law or a machine."""
     usual = _document(beginning)
-    found = {answer: usual.at(key) for answer, key in ANSWERS.items()}
+    found = {answer: value for answer, key in ANSWERS.items() if (value := usual.at(key)) is not None}
     return {**found, "stroke_mm": whole(2.0 * found["crank_mm"])}
 
 
@@ -145,8 +146,8 @@ def _crank_mm(answers: Mapping[str, float], usual: Mapping[str, float]) -> float
 def _values(document: Document, beginning: Beginning, answers: Mapping[str, float]) -> Iterator[tuple[str, Any]]:
     """The values that differ from the values of the text, by dotted key."""
     usual, own = usual_answers(beginning), proportioned(answers, beginning)
-    keys = {answer: key for answer, key in ANSWERS.items() if document.at(key) is not None}
-    yield from ((key, own[answer]) for answer, key in keys.items() if own[answer] != usual[answer])
+    keys = {answer: key for answer, key in ANSWERS.items() if answer in answers or document.at(key) is not None}
+    yield from ((key, own[answer]) for answer, key in keys.items() if own[answer] != usual.get(answer))
     longer, faster = (own[one] / usual[one] for one in ("crank_mm", "speed_rpm"))
     if (longer, faster) != (1.0, 1.0):
         law = law_keys(LawName(document.at("motion.law")))

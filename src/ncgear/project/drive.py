@@ -353,7 +353,8 @@ class Drive(Geared):
         asked = AskedTorque.of(pitch, load.torque_n_mm)
         sides = BOTH_SIDES if load.load == "masses" or load.loads_return else asked.sides
         meshing, speed = self._bearing(methods, materials, sides, within_modules), self.pair_speed_rad_s
-        borne = borne_by(load, meshing) if self.stage is None else self.whole.train_borne[self.stage - 1]
+        given, stage = self.design.simulation, self.stage
+        borne = borne_by(given, load, meshing) if stage is None else self.whole.train_borne[stage - 1]
         found = loading_of(meshing, sections, pitch, asked, speed, borne)
         if load.loads_return:
             coming = AskedTorque.of(pitch, load.returning_n_mm)
@@ -374,14 +375,13 @@ class Drive(Geared):
         within_modules: float,
     ) -> Meshing:
         """The teeth as in ``meshing_of``, with the stiffness of methods, not of ``simulation``."""
-        from ncgear.design.keys.masses import Simulation
         from ncgear.project.forces import meshing_of
         from ncgear.project.tooth_strength import stiffnesses
 
         sections, width_mm = self.face_sections, self.gears.face_width_mm
         stiff = stiffnesses(self.tooth_load, sections, width_mm, methods, materials)
         each = [(one.teeth, own) for one, own in zip(sections.each, stiff, strict=True)]
-        return meshing_of(Simulation(), self.pitch, each, sides, within_modules)
+        return meshing_of(self.design.simulation.of_own_stiffness, self.pitch, each, sides, within_modules)
 
     @computed
     def train_borne(self) -> tuple[BorneTorque, ...]:
@@ -401,7 +401,7 @@ class Drive(Geared):
             for one in self.by_stage
         ]
         with self.stopwatch("knocks"):
-            return train_borne_by(loads, meshings)
+            return train_borne_by(self.design.simulation, loads, meshings)
 
     @computed
     def _any_meshing(self) -> Meshing:

@@ -148,10 +148,10 @@ def mean_inertia(load: CrankLoad) -> float:
     return float(np.mean(load.table.at(crank_rad)[0][..., 0]))
 
 
-def borne_by(load: ToothLoad, meshing: Meshing) -> BorneTorque:
+def borne_by(given: Simulation, load: ToothLoad, meshing: Meshing) -> BorneTorque:
     """The torque of a pair in ``meshing``, including changes of flanks where these are computed.
 
-    Teeth are damped as in a design without ``simulation``.  A machine without any inertia at some angle is not followed
+    Teeth with their own stiffness are damped as ``given``.  A machine without any inertia at some angle is not followed
     there; its teeth carry the torque that the law asks for.
     """
     machine = load.machine.machine
@@ -162,11 +162,13 @@ def borne_by(load: ToothLoad, meshing: Meshing) -> BorneTorque:
         driven = crank_load(machine.linkage, load.machine.masses, machine.load)
     except WrongInput:
         return still
-    knocking = damped(Simulation(), meshing, mean_inertia(driven))
+    knocking = damped(given.of_own_stiffness, meshing, mean_inertia(driven))
     return borne_torque(knocking, driven, load.torque_n_mm, machine.speed_rad_s, still.cycle_rad)
 
 
-def train_borne_by(loads: Sequence[ToothLoad], meshings: Sequence[Meshing]) -> tuple[BorneTorque, ...]:
+def train_borne_by(
+    given: Simulation, loads: Sequence[ToothLoad], meshings: Sequence[Meshing]
+) -> tuple[BorneTorque, ...]:
     """The torques of pairs in series, as ``borne_by``; shafts between must have inertia.
 
     Knocks are followed of two pairs.  Raises WrongInput where more pairs change their flanks.
@@ -187,7 +189,7 @@ def train_borne_by(loads: Sequence[ToothLoad], meshings: Sequence[Meshing]) -> t
         return still
     own = between, swinging_inertia(meshings[1], between, mean_inertia(load))
     pairs = [
-        TrainPair(damped(Simulation(), meshing, inertia), one.torque_n_mm)
+        TrainPair(damped(given.of_own_stiffness, meshing, inertia), one.torque_n_mm)
         for meshing, inertia, one in zip(meshings, own, loads, strict=True)
     ]
     return KnockingTrain((pairs[0], pairs[1]), between, load, machine.speed_rad_s).borne(cycle)

@@ -7,7 +7,6 @@ from math import cos
 
 import numpy as np
 
-from ncgear.design.keys.masses import Simulation
 from ncgear.dynamics.gaps import LEVER, STIFFNESS, Gaps
 from ncgear.dynamics.meshing import Impact, Meshing
 from ncgear.dynamics.motion_in_time import law_table
@@ -43,8 +42,8 @@ def rough_meshing(drive: Drive, load: ToothLoad, sides: Sequence[SharedLoad]) ->
         np.full(PLACES, np.inf),
         np.zeros(urge.shape[1], dtype=int),
     )
-    given = Simulation()
-    impact = Impact(given.exponent, 0.0, gears.module_mm / FULLY_DAMPED)
+    given = drive.design.simulation
+    impact = Impact(1.0, given.damping_n_s_mm or 0.0, given.full_damping_depth_mm or gears.module_mm / FULLY_DAMPED)
     return Meshing(law_table(transmission), gaps, impact, friction_of(given))
 
 

@@ -118,7 +118,7 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
         from ncgear.project.forces import borne_by
         from ncgear.project.rough_meshing import rough_meshing
 
-        borne = borne_by(asked, rough_meshing(drive, asked, sides))
+        borne = borne_by(design.simulation, asked, rough_meshing(drive, asked, sides))
         load = rolled_load(drive, borne.at)
         sides = shared_loads(load, plan, running, drive.materials)
     in_series = asked.load == "masses" and not asked.knocks_are_judged and len(sides) > 1 and design.stages == 2

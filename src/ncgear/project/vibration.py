@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from ncgear.design.keys.masses import Simulation
 from ncgear.dynamics.crank_load import reduced_inertia
 from ncgear.dynamics.swinging_mesh import SwingingMesh, swings
 from ncgear.frozen import dataclass
@@ -232,6 +231,6 @@ def _load_factor(drive: Geared, vibration: Vibration, loads: Loading, speeds_rad
         N_PER_KG_MM_S2 * vibration.reduced_kg(phi1) * arm**2,
         loads.error_rad[rows],
         loads.torque_n_mm[rows],
-        Simulation().damping_ratio,
+        drive.design.simulation.damping_ratio,
     )
     return swings(swinging, speeds_rad_s).load_factor

@@ -22,7 +22,7 @@ from ncgear.strength.answer import ContactStresses, GearStrength, LoadBy, Streng
 from ncgear.strength.conditions import Conditions, Running, face_load_factor_of_roots
 from ncgear.strength.contacts import LoadedContacts
 from ncgear.strength.hertz import hertz_pressure_mpa
-from ncgear.strength.material import EnduredStress, Material
+from ncgear.strength.material import MEAN_STRESS, EnduredStress, Material
 from ncgear.strength.sections import InSections
 
 
@@ -161,16 +161,6 @@ def rated_for_pitting(contacts: LoadedContacts) -> Mask:
     pair = equal_rows(flanks)[1]
     ever_leading = np.bincount(pair, weights=leading) > 0.0
     return np.asarray(leading | (contacts.flanks & ~ever_leading[pair]))
-
-
-BOTH_WAYS = 0.7
-"""Share of the endured stress that remains where the load of a tooth reverses: ISO 6336-3, annex (secondary source)."""
-
-COMPRESSION_OVER_TENSION = 1.2
-"""Stress ratio -R of such a tooth at equal loads both ways, from the same annex."""
-
-MEAN_STRESS = (1.0 / BOTH_WAYS - 1.0) / COMPRESSION_OVER_TENSION
-"""Share of the compression that counts as tension: with it a compression of 1.2 times the tension leaves 0.7."""
 
 
 def pressed_mpa(compression: Array, flank: IndexArray, teeth: int) -> Array:

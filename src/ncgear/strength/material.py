@@ -9,6 +9,15 @@ import numpy as np
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 
+BOTH_WAYS = 0.7
+"""Share of the endured stress that remains where the load of a tooth reverses: ISO 6336-3, annex (secondary source)."""
+
+COMPRESSION_OVER_TENSION = 1.2
+"""Stress ratio -R of such a tooth at equal loads both ways, from the same annex."""
+
+MEAN_STRESS = (1.0 / BOTH_WAYS - 1.0) / COMPRESSION_OVER_TENSION
+"""Share of the compression that counts as tension: with it a compression of 1.2 times the tension leaves 0.7."""
+
 
 class MaterialFamily(StrEnum):
     """Kinds of material, whose strength follows different rules."""

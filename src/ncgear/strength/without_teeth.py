@@ -31,7 +31,7 @@ from ncgear.strength.conditions import Conditions, Running, face_load_factor_of_
 from ncgear.strength.hertz import hertz_pressure_mpa
 from ncgear.strength.holding import Damage
 from ncgear.strength.iso6336 import RackTip, root_factors, root_section, single_stiffness_theoretical
-from ncgear.strength.material import Material
+from ncgear.strength.material import COMPRESSION_OVER_TENSION, MEAN_STRESS, Material
 from ncgear.teeth.form import TipRelief
 
 PER_TOOTH = 32
@@ -145,7 +145,7 @@ class SharedLoad:
     normal force for each mm of width and ``way_mm`` (n,) the way by which the teeth yield along it; ``place_mm`` (p, n)
     is the place of contact along the line of action, from the pitch point towards the driving gear's tip;
     ``relative_curvature`` (p, n) is that of both flanks, and ``root_teeth`` (2, p, n) are the numbers of teeth of the
-    circular gears with such roots.
+    circular gears with such roots.  ``tooth`` (p, n) counts the driving teeth in pitches from the first position on.
     """
 
     load: RolledLoad
@@ -155,7 +155,13 @@ class SharedLoad:
     place_mm: Array
     relative_curvature: Array
     root_teeth: Array
+    tooth: IndexArray
     sections: int = 1
+
+    def tooth_of(self, gear: Gear, teeth: int) -> IndexArray:
+        """The number of the tooth of a gear with so many teeth that bears each load, shape (p, n)."""
+        before = int(gear is Gear.DRIVEN and self.load.urge[0] > 0.0)
+        return np.asarray((self.tooth - before) % teeth)
 
     @property
     def stiffness_n_mm2(self) -> Array:
@@ -194,8 +200,9 @@ def _shared(
     ahead = plan.advance_mm / (pi * module) * PER_TOOTH * (np.arange(sections)[:, None, None] + 0.5) / sections
     if sections == 1:
         ahead = np.zeros((1, 1, 1), dtype=int)
-    nearest = (rows + quarter - ahead) // PER_TOOTH * PER_TOOTH - quarter + ahead
-    crossing = (nearest + PER_TOOTH * PITCHES[:, None]).reshape(-1, rows.size)
+    tooth = ((rows + quarter - ahead) // PER_TOOTH + PITCHES[:, None]).astype(int)
+    crossing = (PER_TOOTH * tooth - quarter + ahead).reshape(-1, rows.size)
+    tooth = tooth.reshape(-1, rows.size)
     rolled = urge * (rows - crossing) / PER_TOOTH * base_pitch
     k = load.curvature[:, rows]
     reach = np.stack([_reach_mm(k[i], k[1 - i], module * (plan.addendum + plan.shifts[i]), sine) for i in (0, 1)])
@@ -218,7 +225,7 @@ def _shared(
     way, line = _borne(load.force_n[rows] / running.face_width_mm, stiffness / sections, gap)
     own = RolledLoad(load.phi1_rad[rows], load.force_n[rows], load.urge[rows], k, load.turning_rad_s[rows], load.closed)
     across = relative * plan.lean(angle)
-    return SharedLoad(own, angle, sections * line, way, place, across, _teeth(roots, module), sections)
+    return SharedLoad(own, angle, sections * line, way, place, across, _teeth(roots, module), tooth, sections)
 
 
 _ROOT = np.arange(-PER_TOOTH // 4, PER_TOOTH // 4 + 1)
@@ -303,7 +310,8 @@ def rough_safeties(
         cycles, wanted = np.array(max(met, 1.0)), conditions.wanted_bending_safety(material)
         over = [v * _factors_of_roots(running, conditions, one) for one, v in zip(uneven, shaken, strict=True)]
         root = [k * _root_stress(one, gear, plan, running) for one, k in zip(sides, over, strict=True)]
-        found.append(_least(gear, Damage.BENDING, sides, root, float(material.bending.at(cycles)), wanted))
+        counted = _alternating(sides, root, gear, running.teeth[list(Gear).index(gear)])
+        found.append(_least(gear, Damage.BENDING, sides, counted, float(material.bending.at(cycles)), wanted))
         if material.contact is not None:
             wanted = conditions.wanted_contact_safety(material)
             over = [(v * conditions.application_factor * one) ** 0.5 for one, v in zip(uneven, shaken, strict=True)]
@@ -331,7 +339,7 @@ def static_safeties(
             gear,
             Damage.BENDING,
             sides,
-            [given * k * _root_stress(one, gear, plan, running) for one, k in zip(sides, over, strict=True)],
+            [given * k * _root_stress(one, gear, plan, running).max(0) for one, k in zip(sides, over, strict=True)],
             float(material.bending.stress_mpa[0]),
             conditions.wanted_bending_safety(material),
         )
@@ -345,7 +353,7 @@ def _factors_of_roots(running: Running, conditions: Conditions, uneven: Array) -
 
 
 def _root_stress(one: SharedLoad, gear: Gear, plan: ToothPlan, running: Running) -> Array:
-    """The largest root stress of a gear at each position, shape (n,), without factors of load.
+    """The root stress of a gear by each pair at each position, shape (p, n), without factors of load.
 
     A load below the pitch point counts as at the pitch point, where it bends a tooth more.
     """
@@ -359,7 +367,19 @@ def _root_stress(one: SharedLoad, gear: Gear, plan: ToothPlan, running: Running)
     section = root_section(teeth, shift, rack, across)
     factors = root_factors(section, teeth, shift, teeth + over / slender, across)
     nominal = plan.rims[place](one.load.phi1_rad) * one.line_n_mm * cos(angle) / (running.module_mm * slender)
-    return np.asarray(np.max(nominal * factors.form * factors.notch, axis=0))
+    return np.asarray(nominal * factors.form * factors.notch)
+
+
+def _alternating(sides: list[SharedLoad], root: list[Array], gear: Gear, teeth: int) -> list[Array]:
+    """The largest root stress at each position of each side, shape (n,), as it counts where loads reverse.
+
+    ``root`` are the stresses by each pair.  Loads of a tooth's other flank press the root (``BOTH_WAYS``).
+    """
+    pressed = {urge: np.zeros(teeth) for urge in PUSHING_AND_BACK}
+    for one, stress in zip(sides, root, strict=True):
+        np.maximum.at(pressed[-one.load.urge[0]], one.tooth_of(gear, teeth), COMPRESSION_OVER_TENSION * stress)
+    more = [MEAN_STRESS * pressed[one.load.urge[0]][one.tooth_of(gear, teeth)] for one in sides]
+    return [np.where(own > 0.0, own + other, 0.0).max(axis=0) for own, other in zip(root, more, strict=True)]
 
 
 def _pressure(one: SharedLoad, materials: tuple[Material, Material]) -> Array:

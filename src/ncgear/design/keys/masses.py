@@ -238,6 +238,11 @@ class Simulation(Model):
     )
     turns: float = optional("turns of the driving gear in level dynamic", 1.0, gt=0.0, le=MOST_TURNS)
 
+    @property
+    def of_own_stiffness(self) -> Simulation:
+        """The same damping and friction for teeth with their own stiffness, as they are rated."""
+        return self.model_copy(update={"stiffness_n_mm": None, "exponent": 1.0})
+
     def _faults(self) -> Faults:
         if self.exponent != 1.0 and self.stiffness_n_mm is None:
             yield fault(
