@@ -41,7 +41,8 @@ def test_corners_of_points_on_a_line_or_at_one_place() -> None:
 def test_a_curve_with_a_jump_a_kink_and_a_flat_part_between_few_places() -> None:
     """To 1e-6 of its size, by a hundred thousand places and those beside its jump and its kinks.
 
-    A point that stands still and a wave too small to count cost nothing.  The jump is by a half at 1.234567, between places; a cardioid has a cusp, a square's corners are kinks.
+    A point that stands still and a wave too small to count cost nothing.  The jump is by a half at 1.234567, between
+    places; a cardioid has a cusp, a square's corners are kinks.
     """
 
     def square(phi1: Array) -> ComplexArray:
