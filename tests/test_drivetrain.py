@@ -57,7 +57,7 @@ from ncgear.drivetrain.speed import LineDrive, disc, speed_course
 from ncgear.dynamics.mesh_force import MeshForce, MeshPlace, mesh_force
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics.arrays import Array, ComplexArray
-from ncgear.numerics.hull import hull_of_each
+from ncgear.numerics.highest import hull_of_each
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.quadrature import gauss_points
 from ncgear.pitch.pair import sized_pair
@@ -230,7 +230,7 @@ def bent_by(
         return (moment_n_mm(phi1) * np.exp(-1j * phi1))[None]
 
     most = float(np.abs(seen(places)).max())
-    (hull,) = hull_of_each(seen, places, seen(places), [KNOWN * most])
+    (hull,) = hull_of_each(seen, places, seen(places), np.array([KNOWN * most]))
     return BentShaft(np.outer(np.exp(-1j * np.array(turns_rad)), hull).ravel(), most, (torque_n_mm, torque_n_mm))
 
 

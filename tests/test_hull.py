@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from ncgear.numerics.arrays import Array, ComplexArray
-from ncgear.numerics.hull import corners, depths, hull_of_each
+from ncgear.numerics.highest import hull_of_each
+from ncgear.numerics.plane import corners, depths
 
 DIRECTIONS = np.exp(2j * pi * np.arange(211) / 211)
 
@@ -58,7 +59,7 @@ def test_a_curve_with_a_jump_a_kink_and_a_flat_part_between_few_places() -> None
 
     looked = list[int]()
     places = np.linspace(0.0, 2.0 * pi, 61)
-    hulls = hull_of_each(curves, places, curves(places), [1e-6] * 5)
+    hulls = hull_of_each(curves, places, curves(places), np.full(5, 1e-6))
     assert sum(looked) < 30_000
     told = np.nextafter([1.234567, *(np.arange(1, 5) * pi / 2.0 - 0.1)], 0.0)
     dense = curves(np.append(np.linspace(0.0, 2.0 * pi, 100_001)[:-1], told))

@@ -25,8 +25,7 @@ from ncgear.drivetrain.cycle import Cycle, LoadsAt
 from ncgear.drivetrain.shafts import KNOWN, BentShaft
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray
-from ncgear.numerics.highest import largest_from
-from ncgear.numerics.hull import hull_of_each
+from ncgear.numerics.highest import hull_of_each, largest_from
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,6 +6,7 @@ jets alike: it uses only the arithmetic that all three share.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -101,3 +102,35 @@ def bow_middles(points: Array, bulges: Array) -> Array:
     chord = np.roll(points, -1, axis=0) - points
     across = np.stack([chord[:, 1], -chord[:, 0]], axis=1)
     return np.asarray(points + (chord + bulges[:, None] * across) / 2.0)
+
+
+WAYS = np.exp(2j * np.pi * np.arange(16) / 16)
+"""Directions whose farthest points are joined first: most points lie within, and are no corners."""
+
+
+def corners(points: ComplexArray) -> ComplexArray:
+    """The corners of the convex hull of points x + i y (shape (n,), n > 0), counter-clockwise, shape (c,)."""
+    far = points[np.real(points * np.conj(WAYS)[:, None]).argmax(axis=1)]
+    edges = np.roll(far, -1) - far
+    left = np.imag(np.conj(edges)[:, None] * (points - far[:, None])) > 0.0
+    # By their x, and points of the same x by their y
+    outer = np.unique(points[~left[edges != 0.0].all(axis=0)] if edges.any() else points[:1]).tolist()
+    return np.array([*_chain(outer), *_chain(reversed(outer))] if len(outer) > 1 else outer)
+
+
+def _chain(rising: Iterable[complex]) -> list[complex]:
+    """One side of the hull of points in order, without its last corner (A. M. Andrew's monotone chain)."""
+    kept = list[complex]()
+    for point in rising:
+        while len(kept) > 1 and ((kept[-1] - kept[-2]).conjugate() * (point - kept[-1])).imag <= 0.0:
+            kept.pop()
+        kept.append(point)
+    return kept[:-1]
+
+
+def depths(hull: ComplexArray, points: ComplexArray) -> Array:
+    """How deep points (n,) lie within a hull of corners (c,); below 0 outside of it, 0 in a hull of one point."""
+    edges = np.roll(hull, -1) - hull
+    normals = 1j * edges / np.maximum(np.abs(edges), np.finfo(float).tiny)
+    into = np.stack([normals.real, normals.imag], axis=1) @ np.stack([points.real, points.imag])
+    return np.min(into - np.real(np.conj(normals) * hull)[:, None], axis=0)
