@@ -25,7 +25,6 @@ from ncgear.drivetrain.bearings import (
     Seats,
     WantedLife,
     bearing_forces,
-    bearing_lives,
     bending_moment_n_mm,
     bending_places_mm,
     combined_n,
@@ -609,9 +608,7 @@ def test_lives_count_by_the_angle_of_their_own_shaft(gear: Gear) -> None:
     """The equivalent load and speed of both bearings, by even steps of the driving angle and what each shaft turns."""
     found, number = small().cycle, list(Gear).index(gear)
     seats = Seats((Bearing(-30.0, "ball", 9000.0), Bearing(50.0, "roller", 9000.0)), crank_at_mm=80.0)
-    lives = bearing_lives(
-        found, number, seats, WantedLife(1000.0, 90.0), shaft_peaks(found, {number: seats})[number].borne
-    )
+    lives = shaft_peaks(found, {number: seats}, WantedLife(1000.0, 90.0))[number].bearings
     places = np.unique(np.concatenate([np.linspace(*ends, 2001) for ends in pairwise(found.breaks_rad)]))
     middle = (places[1:] + places[:-1]) / 2.0
     turned = places if gear is Gear.DRIVING else found.rigid.machine.transmission.driven_angle(places, 0).value

@@ -21,7 +21,6 @@ from ncgear.drivetrain.bearings import (
     Seats,
     WantedLife,
     bearing_forces,
-    bearing_lives,
     bending_moment_n_mm,
     bending_places_mm,
     most_bent,
@@ -176,7 +175,7 @@ def test_two_forces_on_a_shaft_add_as_each_alone() -> None:
 def test_bearings_between_live_as_by_hand() -> None:
     """L_10 by even steps of the angle that the shaft between turns, at the one speed of all shafts, 120 r/min."""
     cycle, at = cycle_of(two().rigid), seats(1)
-    lives = bearing_lives(cycle, 1, at, WantedLife(10_000.0, 90.0), shaft_peaks(cycle, {1: at})[1].borne)
+    lives = shaft_peaks(cycle, {1: at}, WantedLife(10_000.0, 90.0))[1].bearings
     phi1 = np.linspace(0.0, 2.0 * pi, 40_001)
     middle = (phi1[1:] + phi1[:-1]) / 2.0
     turned = two().by_stage[0].pair.transmission.driven_angle(phi1, 0).value

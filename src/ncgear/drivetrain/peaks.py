@@ -12,9 +12,12 @@ from itertools import islice
 import numpy as np
 
 from ncgear.drivetrain.bearings import (
+    BearingLife,
     Bend,
     BornePeaks,
     Seats,
+    WantedLife,
+    bearing_lives,
     bending_moment_n_mm,
     bending_places_mm,
     borne_sizes,
@@ -32,17 +35,17 @@ from ncgear.numerics.highest import hull_of_each, largest_from
 class ShaftPeaks:
     """The largest loads of a shaft in a cycle.
 
-    ``borne`` are the largest loads of its bearings, ``bent`` is its largest bending anywhere.  ``torques_n_mm`` are the
-    least and the largest torque at each gear, ``sections`` the moments beside each gear.
+    ``bent`` is its largest bending anywhere.  ``torques_n_mm`` are the least and the largest torque at each gear,
+    ``sections`` the moments beside each gear.
     """
 
-    borne: tuple[BornePeaks, BornePeaks]
+    bearings: tuple[BearingLife, BearingLife]
     bent: Bend
     torques_n_mm: list[tuple[float, float]]
     sections: list[BentShaft]
 
 
-def shaft_peaks(cycle: Cycle, shafts: Mapping[int, Seats]) -> dict[int, ShaftPeaks]:
+def shaft_peaks(cycle: Cycle, shafts: Mapping[int, Seats], wanted: WantedLife) -> dict[int, ShaftPeaks]:
     """The largest loads of shafts with these seats, by their numbers from the driving shaft on."""
     if not shafts:
         return {}
@@ -62,7 +65,7 @@ def shaft_peaks(cycle: Cycle, shafts: Mapping[int, Seats]) -> dict[int, ShaftPea
     found = iter(largest_from(lambda at: sizes(cycle.loads_at(at)), cycle.loads.phi1_rad, values, exactly))
     hulls, peaks = iter(_hulls(cycle, shafts)), dict[int, ShaftPeaks]()
     for number, seats in shafts.items():
-        borne = BornePeaks.of(list(islice(found, 6)))
+        lives = bearing_lives(cycle, number, seats, wanted, BornePeaks.of(list(islice(found, 6))))
         moments = {at: next(found).value for at in places_mm[number]}
         torques = [(-next(found).value, next(found).value) for _ in seats.gears_mm]
         sections = [
@@ -70,7 +73,7 @@ def shaft_peaks(cycle: Cycle, shafts: Mapping[int, Seats]) -> dict[int, ShaftPea
             for at, torque in zip(seats.gears_mm, torques, strict=True)
             for side in gear_sides_mm(cycle.loads.shafts[number], at)
         ]
-        peaks[number] = ShaftPeaks(borne, most_bent(moments, seats), torques, sections)
+        peaks[number] = ShaftPeaks(lives, most_bent(moments, seats), torques, sections)
     return peaks
 
 

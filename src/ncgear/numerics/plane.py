@@ -6,7 +6,6 @@ jets alike: it uses only the arithmetic that all three share.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -104,28 +103,13 @@ def bow_middles(points: Array, bulges: Array) -> Array:
     return np.asarray(points + (chord + bulges[:, None] * across) / 2.0)
 
 
-WAYS = np.exp(2j * np.pi * np.arange(16) / 16)
-"""Directions whose farthest points are joined first: most points lie within, and are no corners."""
-
-
 def corners(points: ComplexArray) -> ComplexArray:
     """The corners of the convex hull of points x + i y (shape (n,), n > 0), counter-clockwise, shape (c,)."""
-    far = points[np.real(points * np.conj(WAYS)[:, None]).argmax(axis=1)]
-    edges = np.roll(far, -1) - far
-    left = np.imag(np.conj(edges)[:, None] * (points - far[:, None])) > 0.0
-    # By their x, and points of the same x by their y
-    outer = np.unique(points[~left[edges != 0.0].all(axis=0)] if edges.any() else points[:1]).tolist()
-    return np.array([*_chain(outer), *_chain(reversed(outer))] if len(outer) > 1 else outer)
+    from shapely import convex_hull, get_coordinates, multipoints
 
-
-def _chain(rising: Iterable[complex]) -> list[complex]:
-    """One side of the hull of points in order, without its last corner (A. M. Andrew's monotone chain)."""
-    kept = list[complex]()
-    for point in rising:
-        while len(kept) > 1 and ((kept[-1] - kept[-2]).conjugate() * (point - kept[-1])).imag <= 0.0:
-            kept.pop()
-        kept.append(point)
-    return kept[:-1]
+    found = as_complex(get_coordinates(convex_hull(multipoints(as_points(points)))))
+    found = found[1:] if found.size > 1 and found[0] == found[-1] else found
+    return found if np.sum(across(found, np.roll(found, -1))) >= 0.0 else found[::-1]
 
 
 def depths(hull: ComplexArray, points: ComplexArray) -> Array:

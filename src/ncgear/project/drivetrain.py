@@ -8,7 +8,7 @@ from math import inf
 
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.drivetrain import PowerTakeOff
-from ncgear.drivetrain.bearings import BearingLife, Bend, Seats, WantedLife, bearing_lives
+from ncgear.drivetrain.bearings import BearingLife, Bend, Seats, WantedLife
 from ncgear.drivetrain.cycle import Cycle, cycle_of, loads_at, with_knocks
 from ncgear.drivetrain.jam import Jam, JammedShaft, Load, deciding, jammed_shaft
 from ncgear.drivetrain.losses import Demand, TouchingTeeth, mesh_loss_factor
@@ -111,14 +111,14 @@ def drivetrain_of(
         cycles["knocks"] = with_knocks(demand.cycle, knocking)
     seats = [seats_of(shaft.given) for shaft in design.shafts]
     known = {number: one for number, one in enumerate(seats) if one is not None}
-    loaded = {load: (cycle, shaft_peaks(cycle, known)) for load, cycle in cycles.items()}
+    peaks = {load: shaft_peaks(cycle, known, wanted) for load, cycle in cycles.items()}
     needed = demand.fluctuation.flywheel_kg_mm2(masses.flywheel.speed_fluctuation)
     missing = needed - rigid.machine.masses.driving_shaft_kg_mm2 - demand.added_kg_mm2
     diameter = given.flywheel_diameter_mm
     return DrivetrainResult(
         wanted=wanted,
         demand=demand,
-        shafts=tuple(_shaft(design, number, one, loaded, wanted, jam) for number, one in enumerate(seats)),
+        shafts=tuple(_shaft(design, number, one, peaks, jam) for number, one in enumerate(seats)),
         wanted_fluctuation=masses.flywheel.speed_fluctuation,
         flywheel_kg_mm2=needed,
         disc=disc(missing, diameter, demand.speed_rad_s) if diameter and missing > 0.0 else None,
@@ -141,24 +141,15 @@ def _loss_factors(touching: Sequence[tuple[TouchingTeeth, Pair]], cycle: Cycle) 
     return tuple(found)
 
 
-Loaded = tuple[Cycle, Mapping[int, ShaftPeaks]]
-"""The loads of a cycle, and the largest loads of its shafts by their numbers."""
-
-
 def _shaft(
-    design: Design,
-    number: int,
-    seats: Seats | None,
-    loaded: Mapping[Load, Loaded],
-    wanted: WantedLife,
-    jam: Jam | None,
+    design: Design, number: int, seats: Seats | None, peaks: Mapping[Load, Mapping[int, ShaftPeaks]], jam: Jam | None
 ) -> ShaftResult | None:
     """A shaft under the worst of all loads; raises WrongInput where diameter or keyway is missing."""
     if design.shafts[number].given is None:
         return None
     if seats is None:
         return ShaftResult(design.shafts[number].words, None, None, None, None)
-    results = {load: _shaft_of(design, number, seats, one, wanted) for load, one in loaded.items()}
+    results = {load: _shaft_of(design, number, one[number]) for load, one in peaks.items()}
     sizes = {load: _sizes(one) for load, one in results.items()}
     law, *knocks = results.values()
     found = _worse(law, *knocks) if knocks else law
@@ -218,13 +209,11 @@ def _worse_bearing(law: BearingLife, knocks: BearingLife) -> BearingLife:
     return replace(found, static_n=bears.static_n, static_safety=bears.static_safety)
 
 
-def _shaft_of(design: Design, number: int, seats: Seats, loaded: Loaded, wanted: WantedLife) -> ShaftResult:
+def _shaft_of(design: Design, number: int, peaks: ShaftPeaks) -> ShaftResult:
     words, name, given = design.shafts[number]
     assert given is not None
-    cycle, peaks = loaded[0], loaded[1][number]
-    lives = bearing_lives(cycle, number, seats, wanted, peaks.borne)
     if not given.has_strength:
-        return ShaftResult(words, lives, peaks.bent, None, None)
+        return ShaftResult(words, peaks.bearings, peaks.bent, None, None)
     if (diameter := diameter_of(design, number)) is None:
         raise WrongInput(
             f"missing; a gear of the {words} has no bore that tells it", key=f"drivetrain.{name}.diameter_mm"
@@ -239,7 +228,7 @@ def _shaft_of(design: Design, number: int, seats: Seats, loaded: Loaded, wanted:
 
     safety = of_diameter(diameter)
     key = _key(design, number, section, peaks.torques_n_mm)
-    return ShaftResult(words, lives, peaks.bent, safety, key, _thick_enough_mm(of_diameter, diameter, safety))
+    return ShaftResult(words, peaks.bearings, peaks.bent, safety, key, _thick_enough_mm(of_diameter, diameter, safety))
 
 
 MOST_TIMES, GROWN = 10.0, 1.002
