@@ -25,9 +25,8 @@ where the larger of both terms is the right one on either side of the standard's
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from math import inf, log, pi, radians, tan
-from typing import Self
 
 import numpy as np
 
@@ -267,11 +266,6 @@ class BornePeaks:
     across_n: Extremum
     denting_n: Extremum
     thrust_n: Extremum
-
-    @classmethod
-    def of(cls, peaks: Sequence[Extremum]) -> tuple[Self, Self]:
-        """Both bearings', by the largest values of ``borne_sizes``."""
-        return cls(*peaks[:3]), cls(*peaks[3:])
 
 
 def bearing_lives(

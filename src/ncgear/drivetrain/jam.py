@@ -117,7 +117,7 @@ def jammed_shaft(jam: Jam, number: int, seats: Seats, section: ShaftSection | No
         return np.stack([*borne_sizes(loads, seats), np.max(strained, axis=0), *torques])
 
     found = largest_of_each(sizes, jam.places_rad)
-    (first, second), (strained, *torques) = BornePeaks.of(found[:6]), found[6:]
+    first, second, (strained, *torques) = BornePeaks(*found[:3]), BornePeaks(*found[3:6]), found[6:]
     safety = None
     if section is not None:
         resistance_mm3 = pi * section.diameter_mm**3 / 32.0

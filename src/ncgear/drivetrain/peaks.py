@@ -65,7 +65,7 @@ def shaft_peaks(cycle: Cycle, shafts: Mapping[int, Seats], wanted: WantedLife) -
     found = iter(largest_from(lambda at: sizes(cycle.loads_at(at)), cycle.loads.phi1_rad, values, exactly))
     hulls, peaks = iter(_hulls(cycle, shafts)), dict[int, ShaftPeaks]()
     for number, seats in shafts.items():
-        lives = bearing_lives(cycle, number, seats, wanted, BornePeaks.of(list(islice(found, 6))))
+        borne = BornePeaks(*islice(found, 3)), BornePeaks(*islice(found, 3))
         moments = {at: next(found).value for at in places_mm[number]}
         torques = [(-next(found).value, next(found).value) for _ in seats.gears_mm]
         sections = [
@@ -73,6 +73,7 @@ def shaft_peaks(cycle: Cycle, shafts: Mapping[int, Seats], wanted: WantedLife) -
             for at, torque in zip(seats.gears_mm, torques, strict=True)
             for side in gear_sides_mm(cycle.loads.shafts[number], at)
         ]
+        lives = bearing_lives(cycle, number, seats, wanted, borne)
         peaks[number] = ShaftPeaks(lives, most_bent(moments, seats), torques, sections)
     return peaks
 

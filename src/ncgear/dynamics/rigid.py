@@ -86,10 +86,7 @@ def load_peaks(rigid: RigidMachine) -> LoadPeaks:
     each = [[(high, part[0]) for _, high in ranges_on(rigid, part, sizes)] for part in broken_cycle(rigid)]
     highest = [max(found, key=lambda one: one[0].value) for found in zip(*each, strict=True)]
     count = len(highest) - len(rigid.places)
-    meshes = [
-        MeshPeak(peak, float(rigid.on(stretch, np.array([peak.at])).meshes[pair].pressure_angle_rad.value[0]))
-        for pair, (peak, stretch) in enumerate(highest[count:])
-    ]
+    meshes = [(peak, rigid.on(stretch, np.array([peak.at]))) for peak, stretch in highest[count:]]
     return _named([Extremum(sqrt(peak.value), peak.at) for peak, _ in highest[:count]], linkage, meshes)
 
 
@@ -104,11 +101,7 @@ def searched_peaks(at: Callable[[Array], Loads], linkage: Mechanism, places_rad:
 
     found = largest_of_each(sizes, places_rad)
     count = len(found) - len(at(places_rad[:1]).meshes)
-    meshes = [
-        MeshPeak(one, float(at(np.array([one.at])).meshes[pair].pressure_angle_rad.value[0]))
-        for pair, one in enumerate(found[count:])
-    ]
-    return _named(found[:count], linkage, meshes)
+    return _named(found[:count], linkage, [(one, at(np.array([one.at]))) for one in found[count:]])
 
 
 def _forces(loads: Loads, linkage: Mechanism) -> list[Vector]:
@@ -116,11 +109,13 @@ def _forces(loads: Loads, linkage: Mechanism) -> list[Vector]:
     return [*(loads.joints[name] for name in linkage.JOINTS), loads.crank_bearing, *loads.between_bearings]
 
 
-def _named(peaks: Sequence[Extremum], linkage: Mechanism, meshes: Sequence[MeshPeak]) -> LoadPeaks:
-    """Peaks in the guide and of ``_forces``, with those of all meshes."""
+def _named(peaks: list[Extremum], linkage: Mechanism, pressed: list[tuple[Extremum, Loads]]) -> LoadPeaks:
+    """Peaks in the guide and of ``_forces``, and those of all meshes with the loads there."""
     guide, *joints = peaks[: 1 + len(linkage.JOINTS)]
     bearing, *between = peaks[1 + len(linkage.JOINTS) :]
     named = dict(zip(linkage.JOINTS, joints, strict=True))
+    angles = (float(loads.meshes[pair].pressure_angle_rad.value[0]) for pair, (_, loads) in enumerate(pressed))
+    meshes = [MeshPeak(peak, angle) for (peak, _), angle in zip(pressed, angles, strict=True)]
     return LoadPeaks(named, bearing, guide, meshes[-1] if meshes else None, tuple(meshes[:-1]), tuple(between))
 
 
