@@ -33,11 +33,8 @@ from ncgear.numerics.highest import hull_of_each, largest_from
 
 @dataclass(frozen=True, eq=False)
 class ShaftPeaks:
-    """The largest loads of a shaft in a cycle.
-
-    ``bent`` is its largest bending anywhere.  ``torques_n_mm`` are the least and the largest torque at each gear,
-    ``sections`` the moments beside each gear.
-    """
+    """The largest loads of a shaft in a cycle: bending anywhere, the least and the largest torque at each gear, and the
+    moments beside each gear."""
 
     bearings: tuple[BearingLife, BearingLife]
     bent: Bend
