@@ -25,25 +25,25 @@ from ncgear.drivetrain.bearings import (
     Seats,
     WantedLife,
     bearing_forces,
-    bearing_lives,
     bending_moment_n_mm,
+    bending_places_mm,
     combined_n,
     equivalent_load_n,
     gear_sides_mm,
     life_h,
     most_bent,
     rating_for_n,
-    shaft_loads,
 )
 from ncgear.drivetrain.cycle import Cycle, GearLoads, ShaftLoads, cycle_of, shafts_of, with_knocks
 from ncgear.drivetrain.losses import Demand, TouchingTeeth, losses_of, mesh_loss_factor, most_mesh_loss_factor
 from ncgear.drivetrain.motor import Gearbox, StraightLine, motor_load, stall_of
+from ncgear.drivetrain.peaks import shaft_peaks
 from ncgear.drivetrain.pto import Excursion, running_ahead, slipping
 from ncgear.drivetrain.shafts import (
+    KNOWN,
     STEELS,
     TEMPERED,
     BentShaft,
-    Borne,
     ShaftKey,
     ShaftSafety,
     ShaftSection,
@@ -56,6 +56,7 @@ from ncgear.drivetrain.speed import LineDrive, disc, speed_course
 from ncgear.dynamics.mesh_force import MeshForce, MeshPlace, mesh_force
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics.arrays import Array, ComplexArray
+from ncgear.numerics.highest import hull_of_each
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.quadrature import gauss_points
 from ncgear.pitch.pair import sized_pair
@@ -99,6 +100,11 @@ def test_equivalent_loads_in_closed_form() -> None:
     assert equivalent_load_n(np.zeros(3), np.ones(3), 3.0) == 0.0
 
 
+def bending(loads: ShaftLoads, seats: Seats) -> dict[float, float]:
+    """The largest bending at each place along a shaft, at any of the driving angles of its loads."""
+    return {at: float(np.abs(bending_moment_n_mm(loads, seats, at)).max()) for at in bending_places_mm(loads, seats)}
+
+
 def test_two_bearings_by_moments() -> None:
     """A gear between them, a crank beyond one, in two directions; forces and moments are in balance by hand."""
     idle = np.zeros(1)
@@ -116,7 +122,7 @@ def test_two_bearings_by_moments() -> None:
     assert bending_moment_n_mm(loads, seats, 500.0)[0] == 0.0
     beside = Seats((Bearing(20.0, "ball"), Bearing(22.0, "ball")))
     assert bending_moment_n_mm(loads, beside, 0.0)[0] == 0.0
-    bent = most_bent(loads, seats)
+    bent = most_bent(bending(loads, seats), seats)
     assert (bent.moment_n_mm, bent.at_mm) == pytest.approx((600.0 * 200.0, 300.0), rel=1e-13)
 
 
@@ -211,9 +217,20 @@ def test_loads_of_bearings_with_thrust_do_not_leap(kind: str, angle_deg: float) 
 TURN = np.linspace(0.0, 2.0 * pi, 721)
 
 
-def bent_by(moment_n_mm: Callable[[Array], ComplexArray], torque_n_mm: float = 0.0) -> Borne:
-    """A shaft that turns with the driving angle, its moment by that angle."""
-    return lambda phi1: (moment_n_mm(phi1), np.full(phi1.shape, torque_n_mm), phi1)
+def bent_by(
+    moment_n_mm: Callable[[Array], ComplexArray],
+    torque_n_mm: float = 0.0,
+    places: Array = TURN,
+    turns_rad: tuple[float, ...] = (0.0,),
+) -> BentShaft:
+    """A shaft that turns with the driving angle, its moment by that angle, in cycles that begin after ``turns_rad``."""
+
+    def seen(phi1: Array) -> ComplexArray:
+        return (moment_n_mm(phi1) * np.exp(-1j * phi1))[None]
+
+    most = float(np.abs(seen(places)).max())
+    (hull,) = hull_of_each(seen, places, seen(places), np.array([KNOWN * most]))
+    return BentShaft(np.outer(np.exp(-1j * np.array(turns_rad)), hull).ravel(), most, (torque_n_mm, torque_n_mm))
 
 
 def test_published_example_of_a_shaft_with_a_keyway() -> None:
@@ -221,8 +238,8 @@ def test_published_example_of_a_shaft_with_a_keyway() -> None:
     section = ShaftSection(60.0, 80.0, Steel(750.0, 520.0, *TEMPERED))
 
     def safety(share: float) -> ShaftSafety:
-        borne = bent_by(lambda phi1: np.full(phi1.shape, share * 1402.294e3 + 0j), share * 1336.902e3)
-        return shaft_safety(section, BentShaft(borne, TURN, np.zeros(1)))
+        shaft = bent_by(lambda phi1: np.full(phi1.shape, share * 1402.294e3 + 0j), share * 1336.902e3)
+        return shaft_safety(section, shaft)
 
     assert safety(1.0).fatigue == pytest.approx(1.472, abs=5e-4)
     assert safety(1.8).yielding == pytest.approx(2.568, abs=5e-4)
@@ -232,24 +249,27 @@ def test_fibres_see_what_turns_against_them() -> None:
     """A force that stands still bends to and fro; one that turns with the shaft bends one way; a smaller shaft less."""
     standing = bent_by(lambda phi1: np.full(phi1.shape, 1e6 + 0j))
     section = ShaftSection(50.0, 50.0, STEELS["C45"])
-    still = shaft_safety(section, BentShaft(standing, TURN, np.zeros(1)))
+    still = shaft_safety(section, standing)
     stress = 1e6 / (pi * 50.0**3 / 32.0)
     assert still.stresses.bending_amplitude_mpa == pytest.approx(stress, rel=2e-6)
     assert still.stresses.bending_mean_mpa == pytest.approx(0.0, abs=2e-6 * stress)
-    along = shaft_safety(section, BentShaft(bent_by(lambda phi1: 1e6 * np.exp(1j * phi1)), TURN, np.zeros(1)))
+    along = shaft_safety(section, bent_by(lambda phi1: 1e6 * np.exp(1j * phi1)))
     assert along.stresses.bending_amplitude_mpa == pytest.approx(0.0, abs=1e-9 * stress)
     assert along.fatigue > 3.0 * still.fatigue
-    thinner = shaft_safety(ShaftSection(25.0, 50.0, STEELS["C45"]), BentShaft(standing, TURN, np.zeros(1)))
+    thinner = shaft_safety(ShaftSection(25.0, 50.0, STEELS["C45"]), standing)
     # Eight times the stress, but thin shafts endure more of it
     assert 7.0 < still.fatigue / thinner.fatigue < 8.0
 
 
 def test_a_shaft_that_needs_two_turns_sees_both() -> None:
     """A pull once in two turns, half a turn on: the same fibre is pulled, then pressed, only if both are followed."""
-    turned = np.linspace(0.0, pi, 361)
-    section, pull = ShaftSection(50.0, 50.0, STEELS["C45"]), bent_by(lambda phi1: np.where(phi1 < 0.1, 1e6 + 0j, 0j))
-    once = shaft_safety(section, BentShaft(pull, turned, np.zeros(1)))
-    both = shaft_safety(section, BentShaft(pull, turned, np.array([0.0, pi])))
+    turned, section = np.linspace(0.0, pi, 361), ShaftSection(50.0, 50.0, STEELS["C45"])
+
+    def pull(phi1: Array) -> ComplexArray:
+        return np.where(phi1 < 0.1, 1e6 + 0j, 0j)
+
+    once = shaft_safety(section, bent_by(pull, 0.0, turned))
+    both = shaft_safety(section, bent_by(pull, 0.0, turned, (0.0, pi)))
     assert both.stresses.bending_amplitude_mpa == pytest.approx(2.0 * once.stresses.bending_amplitude_mpa, rel=1e-6)
 
 
@@ -261,7 +281,7 @@ def test_the_worst_fibre_and_its_stresses_lie_between_places() -> None:
         # In the shaft's frame a circle about a point beside its axis
         return np.asarray(1e6 * np.exp(1j * phi1) * (np.exp(-1j * phi1) + 0.2 * np.exp(2.0j)))
 
-    found = shaft_safety(section, BentShaft(bent_by(moment), places, np.zeros(1))).stresses
+    found = shaft_safety(section, bent_by(moment, 0.0, places)).stresses
     stress = 1e6 / (pi * 50.0**3 / 32.0)
     assert found.bending_amplitude_mpa == pytest.approx(stress, rel=2e-6)
     assert abs(found.bending_mean_mpa) == pytest.approx(0.2 * stress, rel=1e-5)
@@ -287,12 +307,12 @@ def test_forces_and_stresses_of_shafts_against_many_more_places(gear: Gear) -> N
     assert found.bearings is not None
     assert found.most_bent is not None
     assert found.shaft is not None
-    loads = shaft_loads(of_cycle, number, np.linspace(of_cycle.breaks_rad[0], of_cycle.breaks_rad[-1], 100_001))
+    loads = of_cycle.loads_at(np.linspace(of_cycle.breaks_rad[0], of_cycle.breaks_rad[-1], 100_001)).shafts[number]
     both = found.bearings[0].bearing, found.bearings[1].bearing
     seats = Seats(both, crank_at_mm=0.0 if gear is Gear.DRIVING else around.driven_shaft.crank_at_mm)
     for one, force in zip(found.bearings, bearing_forces(loads, seats), strict=True):
         assert 0.997 < np.abs(force).max() / one.largest_n.value < 1.0 + 1e-9
-    assert 0.997 < most_bent(loads, seats).moment_n_mm / found.most_bent.moment_n_mm < 1.0 + 1e-9
+    assert 0.997 < most_bent(bending(loads, seats), seats).moment_n_mm / found.most_bent.moment_n_mm < 1.0 + 1e-9
     section, stresses = found.shaft.section, found.shaft.stresses
     resistance = pi * section.diameter_mm**3 / 32.0
     torsion = np.abs(loads.gears[0].torque_n_mm).max() / (2.0 * resistance)
@@ -461,7 +481,8 @@ def test_friction_in_the_guide_takes_its_work_and_leaves_the_useful_one(friction
 def test_friction_in_the_guide_holds_by_newtons_law_for_the_slider(friction: float) -> None:
     """Along its line the slider bears rod, load and mu |N| against its motion, across it guide and weight."""
     found = rubbing_at(friction)
-    machine, phi1 = found.rigid, found.loads.phi1_rad
+    # Not at its dead centres, where its motion has no sense
+    machine, phi1 = found.rigid, found.loads.phi1_rad[found.weight_rad > 0.0]
     loads, moved = machine.at(phi1), machine.machine.motion(phi1)
     wrist, masses = loads.joints["wrist"], machine.masses
     resisting = np.sign(moved.velocity) * (moved.load + friction * np.abs(loads.guide.value))
@@ -587,11 +608,11 @@ def test_lives_count_by_the_angle_of_their_own_shaft(gear: Gear) -> None:
     """The equivalent load and speed of both bearings, by even steps of the driving angle and what each shaft turns."""
     found, number = small().cycle, list(Gear).index(gear)
     seats = Seats((Bearing(-30.0, "ball", 9000.0), Bearing(50.0, "roller", 9000.0)), crank_at_mm=80.0)
-    lives = bearing_lives(found, number, seats, WantedLife(1000.0, 90.0))
+    lives = shaft_peaks(found, {number: seats}, WantedLife(1000.0, 90.0))[number].bearings
     places = np.unique(np.concatenate([np.linspace(*ends, 2001) for ends in pairwise(found.breaks_rad)]))
     middle = (places[1:] + places[:-1]) / 2.0
     turned = places if gear is Gear.DRIVING else found.rigid.machine.transmission.driven_angle(places, 0).value
-    forces = bearing_forces(shaft_loads(found, number, middle), seats)
+    forces = bearing_forces(found.loads_at(middle).shafts[number], seats)
     for life, force, exponent in zip(lives, forces, (3.0, 10.0 / 3.0), strict=True):
         mean = (np.diff(turned) @ np.abs(force) ** exponent / (2.0 * pi)) ** (1.0 / exponent)
         assert life.equivalent_n == pytest.approx(mean, rel=1e-6)

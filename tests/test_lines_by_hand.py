@@ -13,7 +13,7 @@ from at_once import at_once
 from ncgear.contact.designed.curves import SidePaths
 from ncgear.contact.written.extremes import _quantities
 from ncgear.drawings.charts.drawer import angle_scale
-from ncgear.drivetrain.bearings import WantedLife, _life
+from ncgear.drivetrain.bearings import BornePeaks, WantedLife, _life
 from ncgear.drivetrain.losses import IDLE, Losses
 from ncgear.drivetrain.motor import Stall
 from ncgear.dynamics.flank_changes import closer
@@ -84,7 +84,7 @@ def test_a_bearing_is_within_iso_281_up_to_half_its_rating() -> None:
     def life(load: float, rating: float | None = 10_000.0) -> Any:
         bearing: Any = Made(dynamic_rating_n=rating, static_rating_n=6000.0, kind="ball")
         most = Extremum(3000.0, 1.0)
-        return _life(bearing, load, (most, most, Extremum(0.0, 1.0)), 2.0 * pi, WantedLife(1000.0, 90.0))
+        return _life(bearing, load, BornePeaks(most, most, Extremum(0.0, 1.0)), 2.0 * pi, WantedLife(1000.0, 90.0))
 
     assert [life(load).within_iso_281 for load in (4990.0, 5010.0)] == [True, False]
     assert life(1000.0).life_h == pytest.approx(1e9 / 3600.0)

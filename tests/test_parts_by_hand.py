@@ -12,6 +12,7 @@ import pytest
 
 from ncgear.contact.placement import BACK, PUSHING
 from ncgear.drivetrain.bearings import BearingLife
+from ncgear.drivetrain.peaks import turned_back
 from ncgear.drivetrain.shafts import ALLOWED_OF_YIELD
 from ncgear.dynamics.history import meetings_s
 from ncgear.errors import Unanswered, WrongInput
@@ -89,8 +90,9 @@ def test_a_shaft_is_in_its_first_position_again_after_as_many_cycles_as_its_gear
     machine = Made(transmission=Made(lobes=Made(driving=3)))
     first = Made(mesh=Made(sense=-1.0), driven_sense=-1.0)
     cycle: Any = Made(rigid=Made(places=(first,), machine=machine), cycle_rad=2.0 * pi / 3.0)
-    assert drivetrain._cycles_rad(0, cycle) == pytest.approx(np.arange(3) * 2.0 * pi / 3.0)
-    assert drivetrain._cycles_rad(1, cycle).tolist() == [0.0]
+    thirds = np.arange(3) * 2.0 * pi / 3.0
+    assert turned_back(cycle, 0)[:, 0] == pytest.approx(np.cos(thirds) - 1j * np.sin(thirds))
+    assert turned_back(cycle, 1).tolist() == [[1.0]]
 
 
 @pytest.mark.judges("project")
@@ -106,7 +108,7 @@ def test_a_key_bears_over_its_height_in_the_hub() -> None:
             gears_on=lambda number: ("driving",),
         )
         section: Any = Made(yield_mpa=300.0, diameter_mm=40.0)
-        return drivetrain._key(design, 0, section, [np.array([-1e4, 6e4])])
+        return drivetrain._key(design, 0, section, [(-1e4, 6e4)])
 
     free = drivetrain.FREE_HEIGHT_MM
     pressure = 60_000.0 / (20.0 * (3.4 - free) * 20.0)

@@ -21,11 +21,12 @@ from ncgear.drivetrain.bearings import (
     Seats,
     WantedLife,
     bearing_forces,
-    bearing_lives,
     bending_moment_n_mm,
+    bending_places_mm,
     most_bent,
 )
 from ncgear.drivetrain.cycle import GearLoads, ShaftLoads, cycle_of, loads_at
+from ncgear.drivetrain.peaks import shaft_peaks
 from ncgear.errors import WrongInput
 from ncgear.figures.advice.drivetrain_advice import around
 from ncgear.numerics.arrays import Array
@@ -165,7 +166,8 @@ def test_two_forces_on_a_shaft_add_as_each_alone() -> None:
             for c, force in zip(at.gears_mm, pressing, strict=True)
         )
         assert abs(bending_moment_n_mm(both, at, place)[0]) == pytest.approx(abs(by_hand), abs=1e-9)
-    assert most_bent(both, at).at_mm in at.gears_mm
+    moments = {place: float(np.abs(bending_moment_n_mm(both, at, place)[0])) for place in bending_places_mm(both, at)}
+    assert most_bent(moments, at).at_mm in at.gears_mm
     assert abs(bending_moment_n_mm(parts[0], at, 100.0)[0]) < 0.5 * abs(bending_moment_n_mm(both, at, 100.0)[0])
 
 
@@ -173,7 +175,7 @@ def test_two_forces_on_a_shaft_add_as_each_alone() -> None:
 def test_bearings_between_live_as_by_hand() -> None:
     """L_10 by even steps of the angle that the shaft between turns, at the one speed of all shafts, 120 r/min."""
     cycle, at = cycle_of(two().rigid), seats(1)
-    lives = bearing_lives(cycle, 1, at, WantedLife(10_000.0, 90.0))
+    lives = shaft_peaks(cycle, {1: at}, WantedLife(10_000.0, 90.0))[1].bearings
     phi1 = np.linspace(0.0, 2.0 * pi, 40_001)
     middle = (phi1[1:] + phi1[:-1]) / 2.0
     turned = two().by_stage[0].pair.transmission.driven_angle(phi1, 0).value

@@ -25,7 +25,7 @@ where the larger of both terms is the right one on either side of the standard's
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Mapping
 from math import inf, log, pi, radians, tan
 
 import numpy as np
@@ -34,7 +34,6 @@ from ncgear.drivetrain.cycle import Cycle, ShaftLoads
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.extrema import Extremum
-from ncgear.numerics.highest import largest_of_each
 
 EXPONENTS = {"ball": 3.0, "roller": 10.0 / 3.0}
 """Exponent of the life by the kind of bearing."""
@@ -224,36 +223,17 @@ class Bend:
     at_mm: float
 
 
-def shaft_loads(cycle: Cycle, number: int, phi1_rad: Array) -> ShaftLoads:
-    """The loads of a shaft, counted from the driving shaft on, at driving angles in rad, shape (n,)."""
-    return cycle.loads_at(phi1_rad).shafts[number]
-
-
-def peak_places_rad(cycle: Cycle, number: int, seats: Seats) -> Array:
-    """The cycle's places, and the places of a shaft's greatest torques and greatest bending anywhere, shape (n,)."""
-
-    def sizes(phi1: Array) -> Array:
-        shaft = shaft_loads(cycle, number, phi1)
-        bending = [np.abs(bending_moment_n_mm(shaft, seats, at)) for at in _places(shaft, seats)]
-        torques = (sign * one.torque_n_mm for one in shaft.gears for sign in (1.0, -1.0))
-        return np.stack([*bending, *torques])
-
-    return np.union1d(cycle.places_rad, [peak.at for peak in largest_of_each(sizes, cycle.places_rad)])
-
-
-def _places(loads: ShaftLoads, seats: Seats) -> set[float]:
+def bending_places_mm(loads: ShaftLoads, seats: Seats) -> tuple[float, ...]:
+    """The places along a shaft at which its bending may be largest: where forces press on it, gears from both sides."""
     sides = (at for gear_mm in seats.gears_mm for at in gear_sides_mm(loads, gear_mm))
-    return {*sides, seats.crank_at_mm, *(bearing.at_mm for bearing in seats.bearings)}
+    return tuple({*sides, seats.crank_at_mm, *(bearing.at_mm for bearing in seats.bearings)})
 
 
-def most_bent(loads: ShaftLoads, seats: Seats) -> Bend:
-    """The largest bending of a shaft at any of the n angles; it is at a place where a force presses on it."""
-    bends = [
-        Bend(float(np.abs(bending_moment_n_mm(loads, seats, place)).max()), place) for place in _places(loads, seats)
-    ]
-    most = max(bends, key=lambda bend: bend.moment_n_mm)
-    near = (at for at in seats.gears_mm if abs(most.at_mm - at) <= BESIDE_MM)
-    return Bend(most.moment_n_mm, next(near, most.at_mm))
+def most_bent(moments_n_mm: Mapping[float, float], seats: Seats) -> Bend:
+    """The largest bending of a shaft, by its largest moments at places along it; beside a gear, at the gear."""
+    most = max(moments_n_mm, key=lambda at: moments_n_mm[at])
+    near = (at for at in seats.gears_mm if abs(most - at) <= BESIDE_MM)
+    return Bend(moments_n_mm[most], next(near, most))
 
 
 def equivalent_load_n(force_n: Array, weight: Array, exponent: float) -> float:
@@ -279,12 +259,22 @@ def rating_for_n(load_n: float, kind: str, speed_rad_s: float, wanted: WantedLif
     return load_n * powered
 
 
-def bearing_lives(cycle: Cycle, number: int, seats: Seats, wanted: WantedLife) -> tuple[BearingLife, BearingLife]:
-    """Both bearings of a shaft, counted from the driving shaft on."""
+@dataclass(frozen=True)
+class BornePeaks:
+    """Largest loads of a bearing: force across the shaft, F_0, and thrust, in N with their driving angles."""
+
+    across_n: Extremum
+    denting_n: Extremum
+    thrust_n: Extremum
+
+
+def bearing_lives(
+    cycle: Cycle, number: int, seats: Seats, wanted: WantedLife, peaks: tuple[BornePeaks, BornePeaks]
+) -> tuple[BearingLife, BearingLife]:
+    """Both bearings of a shaft, counted from the driving shaft on, with their largest loads."""
     whole = cycle.loads.shafts[number]
     weight = cycle.weight_rad * whole.slope
     speed = cycle.speed_rad_s * float(weight.sum()) / cycle.cycle_rad
-    peaks = largest_borne(lambda phi1: shaft_loads(cycle, number, phi1), seats, cycle.places_rad)
     first, second = (
         _life(bearing, equivalent_load_n(lasting, weight, EXPONENTS[bearing.kind]), peak, speed, wanted)
         for bearing, (lasting, *_), peak in zip(seats.bearings, _borne(whole, seats), peaks, strict=True)
@@ -302,32 +292,23 @@ def _borne(loads: ShaftLoads, seats: Seats) -> list[tuple[Array, Array, Array, A
     return found
 
 
-def largest_borne(
-    loads_at: Callable[[Array], ShaftLoads], seats: Seats, places_rad: Array
-) -> list[tuple[Extremum, Extremum, Extremum]]:
-    """The largest force across the shaft, F_0 and thrust of both bearings, searched between driving angles (n,)."""
-
-    def sizes(phi1: Array) -> Array:
-        return np.concatenate([np.stack(rest) for _, *rest in _borne(loads_at(phi1), seats)])
-
-    found = largest_of_each(sizes, places_rad)
-    return [(found[row], found[row + 1], found[row + 2]) for row in (0, 3)]
+def borne_sizes(loads: ShaftLoads, seats: Seats) -> list[Array]:
+    """Force across the shaft, F_0 and thrust in N of the first bearing and then of the second, shape (n,) each."""
+    return [size for _, *sizes in _borne(loads, seats) for size in sizes]
 
 
-def _life(
-    bearing: Bearing, load_n: float, peaks: tuple[Extremum, Extremum, Extremum], speed: float, wanted: WantedLife
-) -> BearingLife:
+def _life(bearing: Bearing, load_n: float, peaks: BornePeaks, speed: float, wanted: WantedLife) -> BearingLife:
     rating, static = bearing.dynamic_rating_n, bearing.static_rating_n
-    loaded, (across, denting, along) = load_n > 0.0, peaks
+    loaded, denting_n = load_n > 0.0, peaks.denting_n.value
     return BearingLife(
         bearing,
-        across,
-        along,
-        denting.value,
+        peaks.across_n,
+        peaks.thrust_n,
+        denting_n,
         load_n,
         speed,
         rating_for_n(load_n, bearing.kind, speed, wanted),
         life_h(rating, load_n, bearing.kind, speed, wanted.factor) if rating and loaded else None,
-        static / denting.value if static and loaded else None,
+        static / denting_n if static and loaded else None,
         load_n <= MOST_OF_RATING * rating if rating else None,
     )

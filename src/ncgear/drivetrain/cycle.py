@@ -1,8 +1,8 @@
-"""The loads of a whole cycle at constant driving speed, at points from which means over the cycle follow.
+"""The loads of a whole cycle at constant driving speed, at places from which means over the cycle follow.
 
-The points are Gauss points between all places at which a load, or its size, has a kink: joints of the law, places at
-which the resistance turns, and zeros of the driving torque and of the guide's force.  Means of smooth functions of the
-loads are then exact to about 1e-12.
+The places are Gauss points between all places at which a load, or its size, has a kink: joints of the law, places at
+which the resistance turns, and zeros of the driving torque and of the guide's force; and these kinks themselves, which
+have no weight.  Means of smooth functions of the loads are then exact to about 1e-12.
 """
 
 from __future__ import annotations
@@ -162,10 +162,11 @@ def complex_of(force: Vector) -> ComplexArray:
 
 @dataclass(frozen=True, eq=False)
 class Cycle:
-    """One cycle of a machine: where its loads have kinks, and its loads at n Gauss points.
+    """One cycle of a machine: where its loads have kinks, and its loads there and at Gauss points between, n places.
 
     ``breaks_rad`` (shape (m,)) are the driving angles between which loads and their sizes are smooth, ends included.
-    ``weight_rad`` (shape (n,)) are the weights of an integral over the driving angle.  ``mesh_shares`` are the shares
+    ``weight_rad`` (shape (n,)) are the weights of an integral over the driving angle.  Searches for largest values
+    begin at the driving angles of ``loads``.  ``mesh_shares`` are the shares
     of its torque that friction between the teeth of each pair takes, which its loads count.  With ``knocking`` they are
     the loads of teeth that knock.
     """
@@ -183,11 +184,6 @@ class Cycle:
         return loads_at(self.rigid, phi1_rad, self.mesh_shares, at)
 
     @property
-    def places_rad(self) -> Array:
-        """Driving angles at which searches for largest values begin, shape (n + m,): loads have kinks at the breaks."""
-        return np.union1d(self.breaks_rad, self.loads.phi1_rad)
-
-    @property
     def cycle_rad(self) -> float:
         """Driving angle of the cycle."""
         return float(np.ptp(self.breaks_rad))
@@ -198,7 +194,7 @@ class Cycle:
         return self.rigid.machine.speed_rad_s
 
     def integral(self, values: Array) -> float:
-        """Integral over the driving angle of values at the points, shape (n,)."""
+        """Integral over the driving angle of values at the places, shape (n,)."""
         return float(np.sum(self.weight_rad * values))
 
 
@@ -213,8 +209,8 @@ def with_knocks(cycle: Cycle, knocking: KnockingMachine) -> Cycle:
     first, last = float(cycle.breaks_rad[0]), float(cycle.breaks_rad[-1])
     turns = first + (knocking.turns_rad - first) % cycle.cycle_rad
     breaks = apart(np.concatenate([cycle.breaks_rad, turns]), first, last)
-    points, weights = gauss_points(panels_between(breaks, WIDEST_RAD), NODES)
-    loads = loads_at(cycle.rigid, points, cycle.mesh_shares, knocking.at)
+    places, weights = _weighted(breaks)
+    loads = loads_at(cycle.rigid, places, cycle.mesh_shares, knocking.at)
     return replace(cycle, breaks_rad=breaks, weight_rad=weights, loads=loads, knocking=knocking)
 
 
@@ -224,8 +220,15 @@ def cycle_of(rigid: Rigid) -> Cycle:
     edges = np.unique(np.concatenate([machine.breaks(stretch) for stretch in stretches(machine.machine)]))
     guide = fitted(lambda phi1: machine.at(phi1).guide.value, edges)
     breaks = apart(np.concatenate([edges, rigid.fluctuation.flank_changes_rad, all_zeros(guide)]), edges[0], edges[-1])
+    places, weights = _weighted(breaks)
+    return Cycle(machine, breaks, weights, loads_at(machine, places))
+
+
+def _weighted(breaks: Array) -> tuple[Array, Array]:
+    """Breaks (shape (m,), rising), Gauss points between them, and the weights of both; shape (n,) each."""
     points, weights = gauss_points(panels_between(breaks, WIDEST_RAD), NODES)
-    return Cycle(machine, breaks, weights, loads_at(machine, points))
+    before = np.searchsorted(points, breaks)
+    return np.insert(points, before, breaks), np.insert(weights, before, 0.0)
 
 
 CLOSE_RAD = 1e-9

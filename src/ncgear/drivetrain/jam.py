@@ -15,7 +15,7 @@ from typing import Literal
 
 import numpy as np
 
-from ncgear.drivetrain.bearings import Seats, bending_moment_n_mm, gear_sides_mm, largest_borne
+from ncgear.drivetrain.bearings import BornePeaks, Seats, bending_moment_n_mm, borne_sizes, gear_sides_mm
 from ncgear.drivetrain.cycle import ShaftLoads, loads_at
 from ncgear.drivetrain.shafts import ShaftSection
 from ncgear.dynamics.loaded_machine import Loads, RigidMachine
@@ -113,19 +113,19 @@ def jammed_shaft(jam: Jam, number: int, seats: Seats, section: ShaftSection | No
             bent = [np.abs(bending_moment_n_mm(loads, seats, at)) for at in gear_sides_mm(loads, at_mm)]
             # sigma^2 + 3 tau^2 of a full section, times its resistance.
             strained.append(np.sqrt(np.max(bent, axis=0) ** 2 + 0.75 * gear.torque_n_mm**2))
-        return np.stack([np.max(strained, axis=0), *(gear.torque_n_mm for gear in loads.gears)])
+        torques = (gear.torque_n_mm for gear in loads.gears)
+        return np.stack([*borne_sizes(loads, seats), np.max(strained, axis=0), *torques])
 
-    strained, *torques = largest_of_each(sizes, jam.places_rad)
-    borne = largest_borne(lambda phi1: jam.shaft(number, phi1), seats, jam.places_rad)
-    (first, _, _), (second, _, _) = borne
-    dents = borne[0][1].value, borne[1][1].value
+    found = largest_of_each(sizes, jam.places_rad)
+    first, second, (strained, *torques) = BornePeaks(*found[:3]), BornePeaks(*found[3:6]), found[6:]
     safety = None
     if section is not None:
         resistance_mm3 = pi * section.diameter_mm**3 / 32.0
         safety = section.yield_mpa * resistance_mm3 / strained.value if strained.value else inf
+    dents = first.denting_n.value, second.denting_n.value
     static = [
         None if one.static_rating_n is None else one.static_rating_n / most
         for one, most in zip(seats.bearings, dents, strict=True)
     ]
     turning = tuple(one.value for one in torques)
-    return JammedShaft((first, second), dents, (static[0], static[1]), safety, turning)
+    return JammedShaft((first.across_n, second.across_n), dents, (static[0], static[1]), safety, turning)

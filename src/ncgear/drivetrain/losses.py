@@ -271,4 +271,4 @@ class Demand:
     @cached_property
     def torque_range_n_mm(self) -> tuple[Extremum, Extremum]:
         """Least and largest T with their driving angles."""
-        return range_of(self.torque_n_mm, self.cycle.places_rad)
+        return range_of(self.torque_n_mm, self.cycle.loads.phi1_rad)

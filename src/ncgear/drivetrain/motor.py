@@ -185,7 +185,7 @@ def stall_of(
             if leg.t_events[0].size:
                 place = leg.t_events[0][:1]
                 standing = float(torque_n_mm(np.zeros(1))[0])
-                (most,) = largest_of_each(lambda phi1: asked(phi1)[None], demand.cycle.places_rad)
+                (most,) = largest_of_each(lambda phi1: asked(phi1)[None], demand.cycle.loads.phi1_rad)
                 phi1 = turn * cycle + place
                 crank = demand.cycle.rigid.machine.transmission.driven_angle(phi1, 0).value
                 return Stall(float(phi1[0]), float(crank[0]), float(asked(place)[0]), most, standing)

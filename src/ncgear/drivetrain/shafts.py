@@ -38,15 +38,13 @@ way, and the standard's method B, or a fit without play, is needed.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import cache, cached_property
-from math import inf, log10, pi, sqrt
+from math import hypot, inf, log10, pi, sqrt
 
 import numpy as np
 
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray
-from ncgear.numerics.highest import largest_from
+from ncgear.numerics.highest import largest_of_each
 
 LEAST_SAFETY = 1.2
 """Least safety that DIN 743 demands, since its figures scatter."""
@@ -55,8 +53,7 @@ FIBRES = 72
 """Fibres around the shaft where the search for the worst fibre begins."""
 
 KNOWN = 1e-6
-"""Share of the largest bending stress to which a fibre's largest and least stress are known at least; the worst fibre's
-use of its strength is known to the same share."""
+"""Share of the largest bending moment to which a fibre's largest and least moment are known at least."""
 
 
 @dataclass(frozen=True)
@@ -141,73 +138,39 @@ class ShaftSafety:
     yielding: float
 
 
-Borne = Callable[[Array], tuple[ComplexArray, Array, Array]]
-"""Function of driving angles in rad: the bending moment as x + i y in the frame of the machine and the torque in N mm,
-and the angle in rad that the shaft has turned, shape (n,) each."""
-
-
 @dataclass(frozen=True, eq=False)
 class BentShaft:
-    """The moments that a shaft bears over one cycle, whatever its diameter.
+    """The moments that a shaft bears beside a gear, whatever its diameter, in N mm.
 
-    ``places_rad`` (shape (n,), rising) are driving angles from the beginning of the cycle to its end, among them the
-    angles of the largest moment and of the least and the largest torque.  ``cycles_rad`` (shape (k,)) are the angles
-    that the shaft has turned at the beginning of the cycles after which it stands as at first, k of them.
+    ``hull_n_mm`` (shape (c,)) has the bending moments in the frame of the shaft, as x + i y: the corners of their
+    convex hull.  ``bending_n_mm`` is the largest bending moment, ``torque_n_mm`` the least and the largest torque.
     """
 
-    borne: Borne
-    places_rad: Array
-    cycles_rad: Array
+    hull_n_mm: ComplexArray
+    bending_n_mm: float
+    torque_n_mm: tuple[float, float]
 
-    @cached_property
-    def known(self) -> tuple[ComplexArray, Array]:
-        """Bending moment and torque at the places."""
-        return self.borne(self.places_rad)[:2]
-
-    @cached_property
-    def alternating(self) -> Callable[[tuple[float, ...]], tuple[Array, Array]]:
-        """Function of fibres' angles: amplitude and mean of the moment that each sees over all cycles, shape (f,)."""
-        borne, places, missed = self.borne, self.places_rad, KNOWN * float(np.abs(self.known[0]).max())
-
-        @cache
-        def found(fibres: tuple[float, ...]) -> tuple[Array, Array]:
-            fibre_rad = np.array(fibres)
-
-            def seen(phi1: Array) -> Array:
-                moment, _, turned = borne(phi1)
-                turning = moment * np.exp(-1j * (turned + self.cycles_rad[:, None, None]))
-                along = np.real(turning * np.exp(1j * fibre_rad)[:, None])
-                return np.stack([along, -along]).reshape(-1, phi1.size)
-
-            at_places = seen(places)
-            ends = largest_from(seen, places, at_places, np.full(len(at_places), missed))
-            every = np.array([one.value for one in ends]).reshape(2, self.cycles_rad.size, fibre_rad.size)
-            high, low = every.max(axis=1)
-            return (high + low) / 2.0, (high - low) / 2.0
-
-        return found
+    def alternating(self, fibre_rad: Array) -> tuple[Array, Array]:
+        """Amplitude and mean of the moment that fibres at angles around the shaft see, shape (f,) each."""
+        along = np.real(self.hull_n_mm * np.exp(1j * fibre_rad)[:, None])
+        high, low = along.max(axis=1), along.min(axis=1)
+        return (high - low) / 2.0, (high + low) / 2.0
 
 
 def shaft_safety(section: ShaftSection, shaft: BentShaft) -> ShaftSafety:
     """The safety of a shaft of one section."""
     resistance_mm3 = pi * section.diameter_mm**3 / 32.0
-    bending, torsion = shaft.known[0] / resistance_mm3, shaft.known[1] / (2.0 * resistance_mm3)
-    largest = float(np.abs(bending).max()), float(np.abs(torsion).max())
-    torsion_amplitude, torsion_mean = float(np.ptp(torsion)) / 2.0, float(torsion.max() + torsion.min()) / 2.0
-
-    def alternating(fibre_rad: Array) -> tuple[Array, Array]:
-        amplitude, mean = shaft.alternating(tuple(fibre_rad.tolist()))
-        return amplitude / resistance_mm3, mean / resistance_mm3
+    least, most = (torque / (2.0 * resistance_mm3) for torque in shaft.torque_n_mm)
+    torsion_amplitude, torsion_mean = (most - least) / 2.0, (most + least) / 2.0
 
     def used(fibre_rad: Array) -> Array:
-        return _fatigue_used(section, *alternating(fibre_rad), torsion_amplitude, torsion_mean)[None]
+        amplitude, mean = (part / resistance_mm3 for part in shaft.alternating(fibre_rad))
+        return _fatigue_used(section, amplitude, mean, torsion_amplitude, torsion_mean)[None]
 
-    fibres = np.linspace(0.0, 2.0 * pi, FIBRES + 1)
-    sampled = used(fibres)
-    worst = largest_from(used, fibres, sampled, KNOWN * sampled.max(axis=1))[0]
-    amplitude, mean = (float(part[0]) for part in alternating(np.array([worst.at])))
+    (worst,) = largest_of_each(used, np.linspace(0.0, 2.0 * pi, FIBRES + 1))
+    amplitude, mean = (float(part[0]) / resistance_mm3 for part in shaft.alternating(np.array([worst.at])))
     stresses = ShaftStresses(amplitude, mean, torsion_amplitude, torsion_mean)
-    strained = sqrt(largest[0] ** 2 + 3.0 * largest[1] ** 2) / section.yield_mpa
+    strained = hypot(shaft.bending_n_mm / resistance_mm3, sqrt(3.0) * max(most, -least)) / section.yield_mpa
     return ShaftSafety(section, stresses, _inverse(worst.value), _inverse(strained))
 
 

@@ -102,7 +102,7 @@ class BorneTorque:
         The moments at which flying teeth bear less than the law's torque are known less well than the force of their
         knocks.  ``others`` are runs with other steps; the largest torque of all runs counts at each place.
         """
-        return self._larger(phi1_rad, NORMAL)
+        return self._larger(phi1_rad, self.asked(phi1_rad), NORMAL)
 
     @property
     def turning_n_mm(self) -> Array:
@@ -111,10 +111,15 @@ class BorneTorque:
 
     def turning(self, phi1_rad: Array) -> Array:
         """As ``at``, the torque that turns the driven side."""
-        return self._larger(phi1_rad, TURNING)
+        return self._larger(phi1_rad, self.asked(phi1_rad), TURNING)
 
-    def _larger(self, phi1_rad: Array, row: int) -> Array:
-        torque = asked = self.asked(phi1_rad)
+    def beyond(self, phi1_rad: Array) -> Array:
+        """What turns the driven side beyond the torque of the law, shape (n,)."""
+        asked = self.asked(phi1_rad)
+        return self._larger(phi1_rad, asked, TURNING) - asked
+
+    def _larger(self, phi1_rad: Array, asked: Array, row: int) -> Array:
+        torque = asked
         for one in (self, *self.others):
             again = one._own(phi1_rad, asked, row)
             torque = np.where(np.abs(again) > np.abs(torque), again, torque)

@@ -56,8 +56,7 @@ class KnockingMachine:
     def at(self, phi1_rad: Array) -> Loads:
         """The loads at driving angles in rad, shape (n,)."""
         *before, last = zip(self.borne, self.rigid.angles(phi1_rad, 0), strict=False)
-        borne, angle = last[0], last[1].value
-        beyond = borne.turning(angle) - borne.asked(angle)
+        beyond = last[0].beyond(last[1].value)
         return hurried_loads(self.rigid, phi1_rad, beyond, [one.turning(turned.value) for one, turned in before])
 
     @property

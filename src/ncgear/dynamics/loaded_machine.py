@@ -18,7 +18,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from itertools import pairwise
 from math import degrees, floor, sqrt, tan
 from operator import attrgetter
@@ -32,7 +31,7 @@ from ncgear.kinematics.motion import Machine, Stretch, angles_at, stretches
 from ncgear.mechanisms.forces import CrankPace, EvenPace, JointForces, Masses
 from ncgear.numerics.arrays import Array, Mask, distinct
 from ncgear.numerics.chebyshev import fitted
-from ncgear.numerics.extrema import Extremum, extremes
+from ncgear.numerics.extrema import Extremum, extremes_on, grid_between
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.plane import Vector
 from ncgear.numerics.units import N_PER_KG_MM_S2
@@ -284,14 +283,15 @@ def range_over(
     rigid: RigidMachine, cycle: Sequence[Broken], quantity: Callable[[Loads], Jet]
 ) -> tuple[Extremum, Extremum]:
     """Smallest and largest value over the stretches, with their driving angles in rad."""
-    ranges = [
-        extremes(partial(along, rigid, stretch, quantity), stretch.start_rad, stretch.end_rad, breaks)
-        for stretch, breaks in cycle
-    ]
+    ranges = [ranges_on(rigid, part, lambda loads: [quantity(loads)])[0] for part in cycle]
     value = attrgetter("value")
     return min((low for low, _ in ranges), key=value), max((high for _, high in ranges), key=value)
 
 
-def along(rigid: RigidMachine, stretch: Stretch, quantity: Callable[[Loads], Jet], phi1: Array) -> Jet:
-    """A quantity of the loads, with its slope, at driving angles in rad on a stretch, shape (n,)."""
-    return quantity(rigid.on(stretch, phi1))
+def ranges_on(
+    rigid: RigidMachine, part: Broken, quantities: Callable[[Loads], list[Jet]]
+) -> list[tuple[Extremum, Extremum]]:
+    """Smallest and largest value of each of several quantities of the loads on a stretch, with the driving angles."""
+    stretch, breaks = part
+    grid = grid_between(stretch.start_rad, stretch.end_rad, breaks)
+    return extremes_on(lambda phi1: quantities(rigid.on(stretch, phi1)), grid)

@@ -7,63 +7,38 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
-from math import degrees, pi
-from operator import attrgetter
-from typing import Any
+from math import degrees, pi, sqrt
 
 import numpy as np
 
 from ncgear.dynamics.driving_shaft import DrivingShaft, Fluctuation
-from ncgear.dynamics.loaded_machine import (
-    IDLE,
-    Broken,
-    Loads,
-    RigidMachine,
-    along,
-    broken_cycle,
-    largest_over,
-    range_over,
-)
-from ncgear.dynamics.mesh_force import MeshForce, MeshPlace
+from ncgear.dynamics.loaded_machine import IDLE, Loads, RigidMachine, broken_cycle, ranges_on
+from ncgear.dynamics.mesh_force import MeshPlace
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
-from ncgear.kinematics.motion import stretches
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.extrema import Extremum, extremes, grid_between
+from ncgear.numerics.extrema import Extremum, grid_between
 from ncgear.numerics.highest import largest_of_each
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.plane import Vector
 from ncgear.numerics.units import in_words
 
-MeshOf = Callable[[Loads], MeshForce]
-"""One of the meshes of a machine's loads."""
-
-_mesh: MeshOf = attrgetter("mesh_force")
-
-
-def _one(of: str, number: int) -> Callable[[Loads], Any]:
-    """One of several values of loads, by their name."""
-    return lambda loads: getattr(loads, of)[number]
-
 
 def refuse_locked(rigid: RigidMachine) -> None:
     """Raises NoSuchMechanism, with the driving angle, where flanks carry at a pressure angle of 90 degrees or more."""
-    meshes: list[tuple[MeshOf, Callable[[Loads], Jet]]] = [(_mesh, attrgetter("driven_torque"))] if rigid.place else []
-    meshes += [(_one("meshes_before", number), _one("passed", number)) for number, _ in enumerate(rigid.places_before)]
-    for stretch in stretches(rigid.machine):
-        breaks = rigid.breaks(stretch)
-        ends = stretch.start_rad, stretch.end_rad
-        for mesh, torque in meshes:
 
-            def angle(loads: Loads, mesh: MeshOf = mesh) -> Jet:
-                return mesh(loads).pressure_angle_rad
+    def angles(loads: Loads) -> list[Jet]:
+        return [mesh.pressure_angle_rad for mesh in loads.meshes]
 
-            steepest = extremes(partial(along, rigid, stretch, angle), *ends, breaks)[1]
-            phi1 = np.append(grid_between(*ends, breaks), steepest.at)
-            loads = rigid.on(stretch, phi1)
-            refuse_locked_at(phi1, torque(loads).value, angle(loads).value)
+    for stretch, breaks in broken_cycle(rigid) if rigid.place else ():
+        steepest = ranges_on(rigid, (stretch, breaks), angles)
+        grid = grid_between(stretch.start_rad, stretch.end_rad, breaks)
+        phi1 = np.append(grid, [high.at for _, high in steepest])
+        loads = rigid.on(stretch, phi1)
+        torques = [*loads.passed[: len(loads.meshes_before)], loads.driven_torque]
+        for torque, angle in zip(torques, angles(loads), strict=True):
+            refuse_locked_at(phi1, torque.value, angle.value)
 
 
 def refuse_locked_at(phi1_rad: Array, torque: Array, pressure_angle_rad: Array) -> None:
@@ -102,15 +77,17 @@ class LoadPeaks:
 
 def load_peaks(rigid: RigidMachine) -> LoadPeaks:
     """Peaks over one cycle."""
-    cycle, before = broken_cycle(rigid), range(len(rigid.places_before))
-    return LoadPeaks(
-        joints_n={name: largest_over(rigid, cycle, _joint(name)) for name in rigid.machine.linkage.JOINTS},
-        crank_bearing_n=largest_over(rigid, cycle, lambda loads: loads.crank_bearing),
-        guide_n=largest_over(rigid, cycle, lambda loads: Vector(loads.guide, loads.guide * 0.0)),
-        mesh=None if rigid.place is None else _mesh_peak(rigid, cycle, _mesh),
-        meshes_before=tuple(_mesh_peak(rigid, cycle, _one("meshes_before", number)) for number in before),
-        between_bearings_n=tuple(largest_over(rigid, cycle, _one("between_bearings", number)) for number in before),
-    )
+    linkage = rigid.machine.linkage
+
+    def sizes(loads: Loads) -> list[Jet]:
+        squares = (force.dot(force) for force in _forces(loads, linkage))
+        return [loads.guide * loads.guide, *squares, *(mesh.size_n for mesh in loads.meshes)]
+
+    each = [[(high, part[0]) for _, high in ranges_on(rigid, part, sizes)] for part in broken_cycle(rigid)]
+    highest = [max(found, key=lambda one: one[0].value) for found in zip(*each, strict=True)]
+    count = len(highest) - len(rigid.places)
+    meshes = [(peak, rigid.on(stretch, np.array([peak.at]))) for peak, stretch in highest[count:]]
+    return _named([Extremum(sqrt(peak.value), peak.at) for peak, _ in highest[:count]], linkage, meshes)
 
 
 def searched_peaks(at: Callable[[Array], Loads], linkage: Mechanism, places_rad: Array) -> LoadPeaks:
@@ -118,29 +95,28 @@ def searched_peaks(at: Callable[[Array], Loads], linkage: Mechanism, places_rad:
 
     def sizes(phi1: Array) -> Array:
         loads = at(phi1)
-        forces = [*(loads.joints[name] for name in linkage.JOINTS), loads.crank_bearing, *loads.between_bearings]
-        forces += [mesh.force for mesh in loads.meshes]
+        forces = [*_forces(loads, linkage), *(mesh.force for mesh in loads.meshes)]
         lengths = (np.hypot(force.x.value, force.y.value) for force in forces)
         return np.stack([np.abs(np.zeros(phi1.shape) + loads.guide.value), *lengths])
 
-    guide, *found = largest_of_each(sizes, places_rad)
-    joints, (bearing, *others) = found[: len(linkage.JOINTS)], found[len(linkage.JOINTS) :]
-    between, pairs = others[: len(others) // 2], others[len(others) // 2 :]
-    steep = (at(np.array([one.at])).meshes[pair].pressure_angle_rad.value for pair, one in enumerate(pairs))
-    *before, mesh = (MeshPeak(one, float(angle[0])) for one, angle in zip(pairs, steep, strict=True))
-    named = dict[str, Extremum](zip(linkage.JOINTS, joints, strict=True))
-    return LoadPeaks(named, bearing, guide, mesh, tuple(before), tuple(between))
+    found = largest_of_each(sizes, places_rad)
+    count = len(found) - len(at(places_rad[:1]).meshes)
+    return _named(found[:count], linkage, [(one, at(np.array([one.at]))) for one in found[count:]])
 
 
-def _joint(name: str) -> Callable[[Loads], Vector]:
-    return lambda loads: loads.joints[name]
+def _forces(loads: Loads, linkage: Mechanism) -> list[Vector]:
+    """The forces in joints, in the crank's bearing and in the bearings between pairs."""
+    return [*(loads.joints[name] for name in linkage.JOINTS), loads.crank_bearing, *loads.between_bearings]
 
 
-def _mesh_peak(rigid: RigidMachine, cycle: Sequence[Broken], mesh: MeshOf) -> MeshPeak:
-    found = [(part, range_over(rigid, [part], lambda loads: mesh(loads).size_n)[1]) for part in cycle]
-    (stretch, _), highest = max(found, key=lambda item: item[1].value)
-    angle = mesh(rigid.on(stretch, np.array([highest.at]))).pressure_angle_rad
-    return MeshPeak(highest, float(angle.value[0]))
+def _named(peaks: list[Extremum], linkage: Mechanism, pressed: list[tuple[Extremum, Loads]]) -> LoadPeaks:
+    """Peaks in the guide and of ``_forces``, and those of all meshes with the loads there."""
+    guide, *joints = peaks[: 1 + len(linkage.JOINTS)]
+    bearing, *between = peaks[1 + len(linkage.JOINTS) :]
+    named = dict(zip(linkage.JOINTS, joints, strict=True))
+    angles = (float(loads.meshes[pair].pressure_angle_rad.value[0]) for pair, (_, loads) in enumerate(pressed))
+    meshes = [MeshPeak(peak, angle) for (peak, _), angle in zip(pressed, angles, strict=True)]
+    return LoadPeaks(named, bearing, guide, meshes[-1] if meshes else None, tuple(meshes[:-1]), tuple(between))
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,6 +1,7 @@
-"""Largest values of functions that can only be evaluated: no derivative, kinks and jumps allowed.
+"""Largest values of functions, and hulls of curves, that can only be evaluated: no derivative, kinks and jumps allowed.
 
-From samples the search closes in on every interval that may hold the highest value by the slopes beside it.  It does
+From samples the search closes in on every interval that may hold the highest value by the slopes beside it, or may lead
+out of the hull.  It does
 not see a peak wholly between two neighbouring samples: the caller must choose places that show what the function does,
 such as the steps of a solver that controls its error.
 """
@@ -8,13 +9,15 @@ such as the steps of a solver that controls its error.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 from ncgear.errors import Unanswered
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array, Columns, IndexArray, distinct, equal_rows
+from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, distinct, equal_rows
 from ncgear.numerics.extrema import Extremum
+from ncgear.numerics.plane import corners, depths
 
 SHARES = 8
 """Parts into which an interval is cut in a round."""
@@ -75,6 +78,15 @@ class _Intervals(Columns):
         length = self.high - self.low
         return np.maximum(self.before, 0.0) * length, np.maximum(-self.after, 0.0) * length
 
+    def inner(self, parts: int) -> Array:
+        """Places between equal parts of each interval, shape (k, parts - 1)."""
+        return self.low[:, None] + (self.high - self.low)[:, None] * (np.arange(1, parts) / parts)
+
+    def own(self, values: Any) -> Any:
+        """Of values of all functions at all inner places, (q, k * parts - k), those of its own in each interval."""
+        count = self.owner.size
+        return values.reshape(len(values), count, -1)[self.owner, np.arange(count)]
+
     @property
     def bound(self) -> Array:
         """Value that the function does not exceed within each interval."""
@@ -122,9 +134,8 @@ def largest_from(
                 rows=[number],
             )
         parts = 2 if left.owner.size > MANY and done < HALVED else SHARES
-        inner = left.low[:, None] + (left.high - left.low)[:, None] * (np.arange(1, parts) / parts)
-        found = _evaluated(functions, inner.ravel()).reshape(-1, *inner.shape)[left.owner, np.arange(left.owner.size)]
-        left = _cut(left, inner, found)
+        inner = left.inner(parts)
+        left = _cut(left, inner, left.own(_evaluated(functions, inner.ravel())))
         for number in distinct(left.owner):
             own = np.nonzero(left.owner == number)[0]
             highest = own[left.at_low[own].argmax()]
@@ -133,14 +144,50 @@ def largest_from(
     return [Extremum(float(value), float(place)) for value, place in zip(top, at, strict=True)]
 
 
-def _evaluated(functions: Callable[[Array], Array], places: Array) -> Array:
+def hull_of_each(
+    curves: Callable[[Array], ComplexArray], places: Array, values: ComplexArray, missed: Array
+) -> list[ComplexArray]:
+    """The corners of the convex hull of each of q curves, with known ``values`` (q, n) at rising places, n > 2.
+
+    ``curves`` maps places (m,) to points x + i y, (q, m); the largest part along any direction is known to ``missed``,
+    (q,).
+    """
+    hulls, left = [corners(own) for own in values], _between(places, values)
+    for _ in range(ROUNDS):
+        each = (left.kept(left.owner == number) for number in range(len(hulls)))
+        left = _Intervals.joined([_leaving(*own) for own in zip(each, hulls, missed, strict=True)])
+        if not left.owner.size:
+            break
+        owner, inner = left.owner, left.inner(SHARES)
+        found = left.own(_evaluated(curves, inner.ravel()))
+        left = _cut(left, inner, found)
+        hulls = [corners(np.append(hull, found[owner == number])) for number, hull in enumerate(hulls)]
+    return hulls
+
+
+def _leaving(left: _Intervals, hull: ComplexArray, missed: float) -> _Intervals:
+    """The intervals in which a curve may go farther than ``missed`` out of its hull.
+
+    A smooth curve leaves its chord by an eighth of its change of slope over an interval, by which slopes of neighbours
+    differ; beside a jump inside it, it leaves it by the slopes beside it.
+    """
+    length = left.high - left.low
+    slope, beside = (left.at_high - left.at_low) / length, np.abs([left.before, left.after])
+    bent = np.abs([slope - left.before, slope - left.after]) / 2.0
+    leaves = length * np.minimum(bent.max(axis=0), STEEPER * beside.max(axis=0))
+    left, leaves = left.kept(leaves > missed), leaves[leaves > missed]
+    deep = np.minimum(*(depths(hull, np.asarray(ends, dtype=complex)) for ends in (left.at_low, left.at_high)))
+    return left.kept(leaves > missed + deep)
+
+
+def _evaluated(functions: Callable[[Array], Any], places: Array) -> Any:
     """Values of shape (q, n), one block of rising places after the other; several functions may share an interval."""
     rising, number = np.unique(places, return_inverse=True)
     blocks = np.array_split(rising, -(-rising.size // BLOCK))
     return np.concatenate([functions(block) for block in blocks], axis=1)[:, number]
 
 
-def _between(places: Array, values: Array) -> _Intervals:
+def _between(places: Array, values: Any) -> _Intervals:
     """All intervals between neighbouring places; beyond the first and the last place slopes go on."""
     slope = np.diff(values, axis=1) / np.diff(places)
     before, after = np.hstack([slope[:, :1], slope[:, :-1]]), np.hstack([slope[:, 1:], slope[:, -1:]])
@@ -158,7 +205,7 @@ def _worth_cutting(left: _Intervals, top: Array, missed: Array) -> _Intervals:
     return left.kept(np.sort(equal_rows(np.column_stack([left.owner, np.round(seen)]))[0]))
 
 
-def _cut(whole: _Intervals, inner: Array, found: Array) -> _Intervals:
+def _cut(whole: _Intervals, inner: Array, found: Any) -> _Intervals:
     """The parts of intervals that were cut at inner places, shape (k, parts - 1), with the values found there."""
     places = np.column_stack([whole.low, inner, whole.high])
     values = np.column_stack([whole.at_low, found, whole.at_high])

@@ -101,3 +101,20 @@ def bow_middles(points: Array, bulges: Array) -> Array:
     chord = np.roll(points, -1, axis=0) - points
     across = np.stack([chord[:, 1], -chord[:, 0]], axis=1)
     return np.asarray(points + (chord + bulges[:, None] * across) / 2.0)
+
+
+def corners(points: ComplexArray) -> ComplexArray:
+    """The corners of the convex hull of points x + i y (shape (n,), n > 0), counter-clockwise, shape (c,)."""
+    from shapely import convex_hull, get_coordinates, multipoints
+
+    found = as_complex(get_coordinates(convex_hull(multipoints(as_points(points)))))
+    found = found[1:] if found.size > 1 and found[0] == found[-1] else found
+    return found if np.sum(across(found, np.roll(found, -1))) >= 0.0 else found[::-1]
+
+
+def depths(hull: ComplexArray, points: ComplexArray) -> Array:
+    """How deep points (n,) lie within a hull of corners (c,); below 0 outside of it, 0 in a hull of one point."""
+    edges = np.roll(hull, -1) - hull
+    normals = 1j * edges / np.maximum(np.abs(edges), np.finfo(float).tiny)
+    into = np.stack([normals.real, normals.imag], axis=1) @ np.stack([points.real, points.imag])
+    return np.min(into - np.real(np.conj(normals) * hull)[:, None], axis=0)

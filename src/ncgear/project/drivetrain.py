@@ -4,34 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field, replace
-from functools import partial
 from math import inf
-
-import numpy as np
 
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.drivetrain import PowerTakeOff
-from ncgear.drivetrain.bearings import (
-    BearingLife,
-    Bend,
-    Seats,
-    WantedLife,
-    bearing_lives,
-    bending_moment_n_mm,
-    gear_sides_mm,
-    most_bent,
-    peak_places_rad,
-    shaft_loads,
-)
+from ncgear.drivetrain.bearings import BearingLife, Bend, Seats, WantedLife
 from ncgear.drivetrain.cycle import Cycle, cycle_of, loads_at, with_knocks
 from ncgear.drivetrain.jam import Jam, JammedShaft, Load, deciding, jammed_shaft
 from ncgear.drivetrain.losses import Demand, TouchingTeeth, mesh_loss_factor
+from ncgear.drivetrain.peaks import ShaftPeaks, shaft_peaks
 from ncgear.drivetrain.pto import Excursion, running_ahead, slipping
 from ncgear.drivetrain.shafts import (
     FREE_HEIGHT_MM,
     LEAST_SAFETY,
     STEELS,
-    BentShaft,
     KeySafety,
     ShaftKey,
     ShaftSafety,
@@ -45,7 +31,7 @@ from ncgear.dynamics.knocking import KnockingMachine
 from ncgear.dynamics.rigid import Rigid
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array, ComplexArray
+from ncgear.numerics.arrays import Array
 from ncgear.project.face_load import diameter_of, seats_of
 from ncgear.project.motor import MotorResult, demand_of, motor_of
 from ncgear.ratio.transmission import Pair
@@ -118,17 +104,21 @@ def drivetrain_of(
     assert given is not None
     assert masses is not None
     wanted = WantedLife(given.life_h, given.reliability_percent)
-    demand = demand_of(design, rigid, _loss_factors(touching, cycle_of(rigid)) if touching else ())
+    smooth = cycle_of(rigid)
+    demand = demand_of(design, smooth, _loss_factors(touching, smooth))
     cycles: dict[Load, Cycle] = {"law": demand.cycle}
     if knocking:
         cycles["knocks"] = with_knocks(demand.cycle, knocking)
+    seats = [seats_of(shaft.given) for shaft in design.shafts]
+    known = {number: one for number, one in enumerate(seats) if one is not None}
+    peaks = {load: shaft_peaks(cycle, known, wanted) for load, cycle in cycles.items()}
     needed = demand.fluctuation.flywheel_kg_mm2(masses.flywheel.speed_fluctuation)
     missing = needed - rigid.machine.masses.driving_shaft_kg_mm2 - demand.added_kg_mm2
     diameter = given.flywheel_diameter_mm
     return DrivetrainResult(
         wanted=wanted,
         demand=demand,
-        shafts=tuple(_shaft(design, number, cycles, wanted, jam) for number, _ in enumerate(design.shafts)),
+        shafts=tuple(_shaft(design, number, one, peaks, jam) for number, one in enumerate(seats)),
         wanted_fluctuation=masses.flywheel.speed_fluctuation,
         flywheel_kg_mm2=needed,
         disc=disc(missing, diameter, demand.speed_rad_s) if diameter and missing > 0.0 else None,
@@ -152,22 +142,21 @@ def _loss_factors(touching: Sequence[tuple[TouchingTeeth, Pair]], cycle: Cycle) 
 
 
 def _shaft(
-    design: Design, number: int, cycles: Mapping[Load, Cycle], wanted: WantedLife, jam: Jam | None
+    design: Design, number: int, seats: Seats | None, peaks: Mapping[Load, Mapping[int, ShaftPeaks]], jam: Jam | None
 ) -> ShaftResult | None:
     """A shaft under the worst of all loads; raises WrongInput where diameter or keyway is missing."""
-    given = design.shafts[number].given
-    if given is None:
+    if design.shafts[number].given is None:
         return None
-    if (seats := seats_of(given)) is None:
+    if seats is None:
         return ShaftResult(design.shafts[number].words, None, None, None, None)
-    results = {load: _shaft_of(design, number, seats, cycle, wanted) for load, cycle in cycles.items()}
+    results = {load: _shaft_of(design, number, one[number]) for load, one in peaks.items()}
     sizes = {load: _sizes(one) for load, one in results.items()}
     law, *knocks = results.values()
     found = _worse(law, *knocks) if knocks else law
     if jam is not None:
         section = found.shaft.section if found.shaft else None
         jammed = jammed_shaft(jam, number, seats, section)
-        key = _key(design, number, section, [np.array([most]) for most in jammed.torques_n_mm]) if section else None
+        key = _key(design, number, section, [(most, most) for most in jammed.torques_n_mm]) if section else None
         found = replace(found, jammed=jammed, jammed_key=key)
         sizes["jam"] = _sizes_in_jam(jammed, key)
     decided = {part: deciding({load: of[part] for load, of in sizes.items() if part in of}) for part in sizes["law"]}
@@ -220,15 +209,11 @@ def _worse_bearing(law: BearingLife, knocks: BearingLife) -> BearingLife:
     return replace(found, static_n=bears.static_n, static_safety=bears.static_safety)
 
 
-def _shaft_of(design: Design, number: int, seats: Seats, cycle: Cycle, wanted: WantedLife) -> ShaftResult:
+def _shaft_of(design: Design, number: int, peaks: ShaftPeaks) -> ShaftResult:
     words, name, given = design.shafts[number]
     assert given is not None
-    places = peak_places_rad(cycle, number, seats)
-    loads = shaft_loads(cycle, number, places)
-    lives = bearing_lives(cycle, number, seats, wanted)
-    bent = most_bent(loads, seats)
     if not given.has_strength:
-        return ShaftResult(words, lives, bent, None, None)
+        return ShaftResult(words, peaks.bearings, peaks.bent, None, None)
     if (diameter := diameter_of(design, number)) is None:
         raise WrongInput(
             f"missing; a gear of the {words} has no bore that tells it", key=f"drivetrain.{name}.diameter_mm"
@@ -236,24 +221,14 @@ def _shaft_of(design: Design, number: int, seats: Seats, cycle: Cycle, wanted: W
     steel = STEELS[given.steel] if given.steel else Steel(given.tensile_mpa or 0.0, given.yield_mpa or 0.0)
     section = ShaftSection(diameter, given.blank_mm or diameter, steel)
 
-    def borne(phi1: Array, gear: int, beside_mm: float) -> tuple[ComplexArray, Array, Array]:
-        at = shaft_loads(cycle, number, phi1)
-        return bending_moment_n_mm(at, seats, beside_mm), at.gears[gear].torque_n_mm, at.turned_rad
-
-    turned_rad = _cycles_rad(number, cycle)
-    shafts = [
-        BentShaft(partial(borne, gear=gear, beside_mm=beside), places, turned_rad)
-        for gear, at in enumerate(seats.gears_mm)
-        for beside in gear_sides_mm(loads, at)
-    ]
-
     def of_diameter(diameter_mm: float) -> ShaftSafety:
         thick = ShaftSection(diameter_mm, max(diameter_mm, section.blank_mm), steel)
-        return min((shaft_safety(thick, one) for one in shafts), key=lambda found: min(found.fatigue, found.yielding))
+        found = (shaft_safety(thick, one) for one in peaks.sections)
+        return min(found, key=lambda one: min(one.fatigue, one.yielding))
 
     safety = of_diameter(diameter)
-    key = _key(design, number, section, [one.torque_n_mm for one in loads.gears])
-    return ShaftResult(words, lives, bent, safety, key, _thick_enough_mm(of_diameter, diameter, safety))
+    key = _key(design, number, section, peaks.torques_n_mm)
+    return ShaftResult(words, peaks.bearings, peaks.bent, safety, key, _thick_enough_mm(of_diameter, diameter, safety))
 
 
 MOST_TIMES, GROWN = 10.0, 1.002
@@ -272,25 +247,16 @@ def _thick_enough_mm(of_diameter: Callable[[float], ShaftSafety], given_mm: floa
     return diameter_mm if diameter_mm > given_mm and least >= LEAST_SAFETY else None
 
 
-def _cycles_rad(number: int, cycle: Cycle) -> Array:
-    """Angles of a shaft at the beginnings of the cycles after which it is in its first position again.
-
-    A shaft between two pairs turns once in a cycle, like the crank, since these have one lobe each.
-    """
-    if number > 0:
-        return np.zeros(1)
-    lobes, first = cycle.rigid.machine.transmission.lobes, cycle.rigid.places[0]
-    return np.arange(lobes.driving, dtype=float) * (first.driven_sense * first.mesh.sense * cycle.cycle_rad)
-
-
-def _key(design: Design, number: int, section: ShaftSection, torques_n_mm: Sequence[Array]) -> KeySafety | None:
-    """The least safe key of a shaft's gears, which bear these torques, shape (n,) each."""
+def _key(
+    design: Design, number: int, section: ShaftSection, torques_n_mm: Sequence[tuple[float, float]]
+) -> KeySafety | None:
+    """The least safe key of a shaft's gears, by the least and the largest torque of each."""
     _, name, given = design.shafts[number]
     key, gears, where = given.key if given else None, design.gears, f"drivetrain.{name}.key"
     if key is None or gears is None:
         return None
     found = []
-    for gear, torque in zip(design.gears_on(number), torques_n_mm, strict=True):
+    for gear, (least, most) in zip(design.gears_on(number), torques_n_mm, strict=True):
         height, keyway = key.height_mm, getattr(gears, gear).keyway
         if height is None:
             if keyway is None:
@@ -303,7 +269,7 @@ def _key(design: Design, number: int, section: ShaftSection, torques_n_mm: Seque
                 )
         yields, length = section.yield_mpa, key.length_mm or gears.face_width_mm
         made = ShaftKey(section.diameter_mm, height, length, min(yields, key.yield_mpa or yields))
-        found.append(key_safety(made, float(torque.max()), float(torque.min())))
+        found.append(key_safety(made, most, least))
     weakest = min(found, key=lambda one: one.safety)
     return replace(weakest, both_senses=any(one.both_senses for one in found))
 

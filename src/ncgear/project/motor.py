@@ -13,12 +13,11 @@ from math import cos, pi, radians
 from ncgear.design.keys.base import listed
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.drivetrain import DrivetrainMotor
-from ncgear.drivetrain.cycle import cycle_of, rubbing
+from ncgear.drivetrain.cycle import Cycle, cycle_of, rubbing
 from ncgear.drivetrain.losses import Demand, losses_of, most_mesh_loss_factor
 from ncgear.drivetrain.motor import Gearbox, MotorLoad, Stall, StraightLine, motor_load, stall_of
 from ncgear.drivetrain.speed import LineDrive, SpeedCourse, speed_course
 from ncgear.dynamics.motion_in_time import Motor
-from ncgear.dynamics.rigid import Rigid
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.interrupts import TimeIsOver, at_most
@@ -53,9 +52,9 @@ class MotorResult:
         return N_M_PER_N_MM * (self.course.motor_range_n_mm[1] if self.course else self.load.most_n_mm.value)
 
 
-def demand_of(design: Design, rigid: Rigid, mesh_loss_factors: tuple[float, ...]) -> Demand:
-    """The machine's demand on the driving shaft, with friction, and with the motor's rotor among the turning masses."""
-    smooth, motor = cycle_of(rigid), design.drivetrain.motor if design.drivetrain else None
+def demand_of(design: Design, smooth: Cycle, mesh_loss_factors: tuple[float, ...]) -> Demand:
+    """The demand of a smooth cycle on the driving shaft, with friction and with the inertia of the motor's rotor."""
+    motor = design.drivetrain.motor if design.drivetrain else None
     losses = losses_of(smooth, mesh_loss_factors, design.simulation.friction.dynamic)
     rotor_kg_mm2 = motor.inertia_kg_mm2 * motor.gearbox.ratio**2 if motor else 0.0
     return Demand(rubbing(smooth, losses.mesh_shares), losses, rotor_kg_mm2)
@@ -89,9 +88,8 @@ def motor_within(drive: Geared) -> tuple[MotorResult, MotorResult]:
     # Friction between helical teeth is not computed
     pitches = [] if drive.helix else [pair.pitch for pair in drive.by_stage]
     most = tuple(most_mesh_loss_factor(one, reach * one.size.module_mm, steep) for one in pitches)
-    least, greatest = (
-        motor_of(design, around.motor, demand_of(design, drive.rigid, factors)) for factors in ((), most)
-    )
+    smooth = cycle_of(drive.rigid)
+    least, greatest = (motor_of(design, around.motor, demand_of(design, smooth, factors)) for factors in ((), most))
     return least, greatest
 
 
