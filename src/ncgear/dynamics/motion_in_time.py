@@ -306,6 +306,9 @@ def _getting_on(machine: ToothedMachine, on_way: Callable[[float], None]) -> Cha
 DEGREE = 12
 """Degree of the polynomials between the ends of steps: the highest order of LSODA, above those of scipy's others."""
 
+SHARES = nodes(np.zeros(1), np.ones(1), DEGREE)[:, 0]
+"""The nodes of these polynomials as shares of a step."""
+
 
 @dataclass(frozen=True, eq=False)
 class _Step:
@@ -335,7 +338,7 @@ def _leg(
         passed: Array = np.maximum(states[0] - target_rad, states[2] - stop_rad)
         return passed
 
-    steps, ended = [start], False
+    steps, ended = [start], np.False_
     while solver.status == "running" and not ended:
         said, before_s = solver.step(), steps[-1].time_s
         if solver.status == "failed" and machine.meshing.stiffness_key:
@@ -345,14 +348,14 @@ def _leg(
             )
         if solver.status == "failed":
             raise Unanswered(f"the motion could not be integrated: {said}")
-        between, end_s, state, ended = solver.dense_output(), solver.t, solver.y, bool(beyond(solver.y) >= 0.0)
+        between, end_s, state = solver.dense_output(), solver.t, solver.y
+        ended = state[0] >= target_rad or state[2] >= stop_rad
         if ended:
             end_s = _first_s(beyond, between, before_s, end_s)
             state = between(end_s)
         # The polynomials of steps join up to the solver's error: the end may be that of the step before
         if end_s > before_s:
-            inner = between(nodes(np.array([before_s]), np.array([end_s]), DEGREE)[:, 0]).T
-            steps.append(_Step(end_s, state, inner))
+            steps.append(_Step(end_s, state, between(before_s + (end_s - before_s) * SHARES).T))
     return steps[1:]
 
 
