@@ -19,7 +19,6 @@ from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.forces import RodMasses
 from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.mechanisms.slider_load import SliderLoad
-from ncgear.numerics.arrays import Array
 from ncgear.numerics.periodic_table import PeriodicTable
 
 Array = np.ndarray

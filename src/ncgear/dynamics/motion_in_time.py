@@ -185,9 +185,9 @@ ACCURACY = 1e-7
 ENERGY = 1e-4
 """Share of the work done that the balance of energy may miss."""
 
-BETWEEN = 3
-"""Places looked at within each step of the solver, besides its ends: the top of a parabola is then met to a sixteenth
-of its rise over the step, and closed in on from there."""
+BETWEEN = 1
+"""Places looked at within each step of the solver, besides its ends: the top of a parabola is then met to a quarter of
+its rise over the step, and closed in on from there.  Peaks of all designs are the same to 1e-10 with seven places."""
 
 JUDGED = 0.618
 """Place in each step, as a share of it, where the balance of energy is tested."""
