@@ -149,7 +149,7 @@ def test_small_vibrations_have_the_closed_forms_frequency() -> None:
     place = phi1 + float(rest.error_rad[0])
     swing = 1e-4 * depth / BASE
     state = np.array([phi1, 0.0, place + swing, 0.0, 0.0, 0.0])
-    change = StateByState(found.drive, found.meshing, found.load).change
+    change = StateByState(found.drive.answer, found.meshing, found.load).change
     out = solve_ivp(lambda _, at: change(at), (0.0, 10.0 * 2.0 * pi / frequency), state, rtol=1e-10, atol=1e-13)
     assert out.y[2, -1] - place == pytest.approx(swing, rel=1e-3)
     assert np.interp(2.25 * 2.0 * pi / frequency, out.t, out.y[2]) - place == pytest.approx(0.0, abs=0.05 * swing)

@@ -288,7 +288,7 @@ def _getting_on(machine: ToothedMachine, on_way: Callable[[float], None]) -> Cha
 
     ``on_way`` receives the driving angle as it advances.
     """
-    furthest, looked_at, own = -inf, 0, StateByState(machine.drive, machine.meshing, machine.load)
+    furthest, looked_at, own = -inf, 0, StateByState(machine.drive.answer, machine.meshing, machine.load)
 
     def change(time_s: float, state: Array) -> Array:
         nonlocal furthest, looked_at

@@ -7,29 +7,26 @@ time would go into making and calling them; so the formulas stand here once more
 
 from __future__ import annotations
 
-from typing import Protocol
+from collections.abc import Callable
 
 import numpy as np
 
 from ncgear.dynamics.crank_load import CrankLoad
 from ncgear.dynamics.meshing import Friction, Meshing
-from ncgear.numerics.arrays import Array, Number
+from ncgear.numerics.arrays import Array
 from ncgear.numerics.periodic_table import PlaceByPlace
 
 
-class DrivingSide(Protocol):
-    """Answers a moment of the teeth in N mm at a driving speed in rad/s."""
-
-    def answer(self, speed_rad_s: Number, moment_n_mm: Number) -> tuple[Number, Number]:
-        """Acceleration of the driving shaft in rad/s^2, and torque of the drive in N mm."""
-        ...
-
-
 class StateByState:
-    """The rates of a machine's states; it remembers its last interval in each table."""
+    """The rates of a machine's states; it remembers its last interval in each table.
 
-    def __init__(self, drive: DrivingSide, meshing: Meshing, load: CrankLoad) -> None:
-        self._drive, self._impact, self._friction = drive, meshing.impact, meshing.friction
+    The drive ``answers`` as ``DriveLine.answer`` does.
+    """
+
+    def __init__(
+        self, answers: Callable[[float, float], tuple[float, float]], meshing: Meshing, load: CrankLoad
+    ) -> None:
+        self._answers, self._impact, self._friction = answers, meshing.impact, meshing.friction
         self._law, self._gaps = PlaceByPlace(meshing.law), PlaceByPlace(meshing.gaps.table)
         self._load, self._rise = PlaceByPlace(load.table), float(meshing.law.rise)
         self._urge = meshing.gaps.urge
@@ -39,7 +36,7 @@ class StateByState:
         """Derivatives of a state (phi1, phi1', phi2, phi2', work, losses) by time, shape (6,) both."""
         phi1, speed1, phi2, speed2, _, _ = state.tolist()
         driving, driven, loss = self._teeth(phi1, speed1, phi2, speed2)
-        acceleration1, torque = self._drive.answer(speed1, driving)
+        acceleration1, torque = self._answers(speed1, driving)
         _, step = self._load.at(phi2)
         (m3, m2, m1, m0), (u3, u2, u1, _) = self._load.rows
         inertia, bend = ((m3 * step + m2) * step + m1) * step + m0, (3.0 * m3 * step + 2.0 * m2) * step + m1
