@@ -19,7 +19,6 @@ from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.forces import RodMasses
 from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.mechanisms.slider_load import SliderLoad
-from ncgear.numerics.arrays import Number
 from ncgear.numerics.periodic_table import PeriodicTable
 
 Array = np.ndarray
@@ -48,7 +47,7 @@ SPEED = 2.0 * pi
 class Giving(Impact):
     """Damping of the wrong sign."""
 
-    def force_n(self, elastic_n: Number, damped_n: Number) -> Number:
+    def force_n(self, elastic_n: Array, damped_n: Array) -> Array:
         return super().force_n(elastic_n, -damped_n)
 
 

@@ -12,7 +12,7 @@ import pytest
 
 from ncgear.cli.progress import Lines
 from ncgear.dynamics import history
-from ncgear.dynamics.history import _passings_s, _sizes, meetings_s, parted_s, pressed_rad, pushing_parted_s
+from ncgear.dynamics.history import _passings_s, _sizes, meetings_s, partings_s, pressed_rad
 from ncgear.figures.data_sheet.entries import shafts_below
 from ncgear.optimum.outline import nearest
 from ncgear.project.passing import CRANK_PIN
@@ -51,8 +51,8 @@ def test_times_without_contact_lie_between_meetings(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(history, "pressed_rad", pressed)
     fine = np.linspace(1.0, 6.0, 51)
     course: Any = Made(machine=Made(meshing=None), at=lambda time: time, fine_s=fine, time_s=fine[::10])
-    assert pushing_parted_s(course) == pytest.approx(np.array([[pi, 6.0]]))
-    assert parted_s(course) == pytest.approx(np.array([[pi, 7.0 * pi / 6.0], [11.0 * pi / 6.0, 6.0]]))
+    assert partings_s(course)[0] == pytest.approx(np.array([[pi, 6.0]]))
+    assert partings_s(course)[1] == pytest.approx(np.array([[pi, 7.0 * pi / 6.0], [11.0 * pi / 6.0, 6.0]]))
 
 
 @pytest.mark.judges("dynamics")

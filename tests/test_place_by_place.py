@@ -44,7 +44,7 @@ def test_one_by_one_states_change_as_in_arrays(name: str) -> None:
     found = mechanism(teeth, slider_load(), Motor(10.0, 5e5, 50.0))
     at = states(teeth)
     expected = by_arrays(found, at)
-    own = StateByState(found.drive, found.meshing, found.load)
+    own = StateByState(found.drive.answer, found.meshing, found.load)
     changes = np.stack([own.change(state) for state in at.T], axis=1)
     scale = np.abs(expected).max(axis=1, keepdims=True)
     np.testing.assert_allclose(changes / scale, expected / scale, rtol=1e-12, atol=1e-15)

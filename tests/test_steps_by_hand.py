@@ -18,14 +18,14 @@ from ncgear.contact.designed.extremes import _level_mm
 from ncgear.contact.designed.tangency import _correction, _Rates
 from ncgear.contact.written.apart import MOST_TOGETHER, _together
 from ncgear.drawings.page.data import LOOKED_AT, _cubics
-from ncgear.dynamics.crank_load import INTERVALS, LEAST_WAY, _knots, _stretch, accelerated
-from ncgear.dynamics.flank_changes import JUMP
+from ncgear.dynamics.crank_load import INTERVALS, LEAST_WAY, CrankLoad, _knots, _stretch
+from ncgear.dynamics.flank_changes import JUMP, SAMPLES, turns_of
 from ncgear.dynamics.history import _slide
 from ncgear.dynamics.mesh_force import MeshPlace, _directions
 from ncgear.dynamics.rigid import refuse_locked_at
-from ncgear.dynamics.train_knocks import SAMPLES, KnockingTrain
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.jet import Jet
+from ncgear.numerics.periodic_table import PeriodicTable
 from ncgear.pitch.shape import Mesh
 from ncgear.teeth.chords import _standing_off
 from ncgear.teeth.fouling import BEYOND, _way_out_mm
@@ -126,7 +126,8 @@ def test_the_level_pressure_angle_is_where_the_cubic_of_four_positions_has_it(si
 def test_the_power_of_a_moment_is_the_change_of_energy(moment: float) -> None:
     """d/dt (J w^2 / 2) = M w with J = 3 + 0.7 phi."""
     speed, inertia, change = 5.0, 3.0, 0.7
-    found = accelerated(inertia, change, moment, speed)
+    table = PeriodicTable(np.array([0.0, 6.0]), np.array([[[change, 0.0]], [[inertia, 0.0]]]))
+    found = CrankLoad(table, (0.0, 3.0)).acceleration_rad_s2(np.array(0.0), np.array(speed), np.array(moment))
     assert change * speed**3 / 2.0 + inertia * speed * found == pytest.approx(moment * speed)
 
 
@@ -178,17 +179,15 @@ def test_torques_hurry_where_they_jump_or_turn() -> None:
     asked = np.full((2, 12), 10.0)
     asked[0, 4:] += 2.0 * JUMP * 10.0
     asked[1, 8:] = -10.0
-    places: Any = Made(asked=asked, swings_rad_s=np.full(12, 900.0))
-    train: Any = Made(speed_rad_s=6.0)
-    rows, flanks = KnockingTrain._hurried(train, places, np.array([11.0, 10.0]), 2.0 * pi)
+    step = 2.0 * pi / SAMPLES / 6.0
+    rows, flanks = turns_of(asked, np.array([11.0, 10.0]), np.full((2, 12), 900.0 * step))
     assert {3, 7, 11} <= set(rows.tolist()) <= {2, 3, 6, 7, 10, 11}
     assert flanks[1].tolist() == [1] * 8 + [-1] * 4
     # A change of slope counts by the square of swings in a sample, and by their number where this is over 1.
     bent = np.full((2, 12), 10.0) + np.abs(np.arange(12) - 6.0) * [[1e-4], [0.0]]
     few = 0.9 * sqrt(2e-4 / (0.03 * 11.0)) * 6.0 * SAMPLES / (2.0 * pi)
     for swings, wanted in ((few, True), (few / 0.81, False)):
-        places = Made(asked=bent, swings_rad_s=np.full(12, swings))
-        rows, _ = KnockingTrain._hurried(train, places, np.array([11.0, 11.0]), 2.0 * pi)
+        rows, _ = turns_of(bent, np.array([11.0, 11.0]), np.full((2, 12), swings * step))
         assert (5 in rows.tolist() or 4 in rows.tolist()) is wanted
 
 

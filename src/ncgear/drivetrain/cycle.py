@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import cached_property
 from math import pi
 from typing import TYPE_CHECKING
 
@@ -179,9 +180,17 @@ class Cycle:
     knocking: KnockingMachine | None = None
 
     def loads_at(self, phi1_rad: Array) -> LoadsAt:
-        """The loads at driving angles in rad, shape (n,)."""
-        at = None if self.knocking is None else self.knocking.at
-        return loads_at(self.rigid, phi1_rad, self.mesh_shares, at)
+        """The loads at driving angles in rad, shape (n,); kept, since each shaft and each place on it asks for them."""
+        asked = phi1_rad.tobytes()
+        if asked not in self._known:
+            at = None if self.knocking is None else self.knocking.at
+            self._known[asked] = loads_at(self.rigid, phi1_rad, self.mesh_shares, at)
+        return self._known[asked]
+
+    @cached_property
+    def _known(self) -> dict[bytes, LoadsAt]:
+        """The loads by the bytes of their driving angles."""
+        return {}
 
     @property
     def cycle_rad(self) -> float:

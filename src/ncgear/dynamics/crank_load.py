@@ -31,7 +31,7 @@ from ncgear.frozen import dataclass
 from ncgear.mechanisms.forces import Masses
 from ncgear.mechanisms.mechanism import Mechanism, MovingMass
 from ncgear.mechanisms.slider_load import SliderLoad
-from ncgear.numerics.arrays import Array, IndexArray, Number
+from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.periodic_table import PeriodicTable, cubics
 from ncgear.numerics.units import N_PER_KG_MM_S2
@@ -91,7 +91,8 @@ class CrankLoad:
     def acceleration_rad_s2(self, angle_rad: Array, speed_rad_s: Array, moment_n_mm: Array) -> Array:
         """Acceleration of the crank shaft under a moment of the teeth; any shape."""
         value, slope = self.table.at(angle_rad)
-        return accelerated(value[..., 0], slope[..., 0], moment_n_mm - slope[..., 1], speed_rad_s)
+        moment = moment_n_mm - slope[..., 1] - 0.5 * slope[..., 0] * speed_rad_s**2
+        return np.asarray(moment / value[..., 0])
 
     def torque_n_mm(self, angle_rad: Array, speed_rad_s: Array, acceleration_rad_s2: Array) -> Array:
         """Moment that the teeth have to bring for a motion; any shape."""
@@ -104,11 +105,6 @@ class CrankLoad:
         values, _ = self.table.at(angle_rad)
         energy: Array = 0.5 * values[..., 0] * speed_rad_s**2 + values[..., 1]
         return energy
-
-
-def accelerated(inertia: Number, change: Number, moment_n_mm: Number, speed_rad_s: Number) -> Number:
-    """Acceleration in rad/s^2 of a shaft by its reduced inertia, the slope of this by its angle, and all moments."""
-    return (moment_n_mm - 0.5 * change * speed_rad_s**2) / inertia
 
 
 def crank_load(linkage: Mechanism, masses: Masses, load: SliderLoad) -> CrankLoad:

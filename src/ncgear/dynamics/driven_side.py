@@ -251,15 +251,23 @@ class Way:
         if swinging > enough or (torques[NORMAL, 0] and torques.shape[1] < CHECKED * PER_SWING):
             return False
         asked = self.asked[places]
-        swinging = max(float(np.abs(torques[TURNING] - asked).max()), swinging)
-        idle = float(np.abs(asked).max()) <= IDLE * self.most_n_mm
-        return swinging <= enough and (idle or swinging <= TOUCHING * float(np.abs(asked).min()))
+        return bears(asked, max(float(np.abs(torques[TURNING] - asked).max()), swinging), self.most_n_mm)
 
     def knocks(self, step: int, speed_rad_s: float) -> list[Knock]:
         """The knock of flanks that meet in a step with a speed, if it is one."""
-        if speed_rad_s * self.inertia[step] * self.swing_rad_s[step] <= SETTLED * self.most_n_mm:
-            return []
-        return [Knock(float(self.phi1_rad[step + 1]), speed_rad_s * float(self.levers_mm[self.row[step]]))]
+        pressed = speed_rad_s * self.inertia[step] * self.swing_rad_s[step]
+        return knocks_at(self.phi1_rad[step + 1], speed_rad_s * self.levers_mm[self.row[step]], pressed, self.most_n_mm)
+
+
+def bears(asked: Array, swinging: float, most_n_mm: float) -> bool:
+    """Whether teeth that deviate so far from the torques ``asked`` (n,) bear those, swing little and stay in touch."""
+    idle = float(np.abs(asked).max()) <= IDLE * most_n_mm
+    return swinging <= SETTLED * most_n_mm and (idle or swinging <= TOUCHING * float(np.abs(asked).min()))
+
+
+def knocks_at(phi1_rad: float, speed_mm_s: float, pressed_n_mm: float, most_n_mm: float) -> list[Knock]:
+    """The knock of flanks whose speed presses them with a torque, if it is one."""
+    return [Knock(float(phi1_rad), float(speed_mm_s))] if pressed_n_mm > SETTLED * most_n_mm else []
 
 
 def _summed(values: Array) -> Array:

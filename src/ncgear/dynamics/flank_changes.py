@@ -154,17 +154,14 @@ def borne_torque(
     torque = asked(phi1)
     most = float(np.abs(torque).max())
     driven = DrivenSide(meshing, load, asked, speed_rad_s, most)
-    flank, jump = flanks_of(torque, IDLE * most), np.roll(torque, -1) - torque
     swings_rad_s = driven.swings_rad_s(phi1[::EVERY])
 
     def swings_at(phi1_rad: Array) -> Array:
         return np.interp(phi1_rad, phi1[::EVERY], swings_rad_s, period=cycle_rad)
 
     swing = swings_at(phi1)
-    # With swings of w rad/s the driven side deviates from T by T'' / w^2, and swings by dT' / w after a kink.
     steps = cycle_rad / SAMPLES / speed_rad_s * swing
-    hurried = np.abs(np.roll(jump, -1) - jump) > SETTLED * most * np.minimum(steps, steps**2)
-    rows = np.flatnonzero((flank != np.roll(flank, -1)) | (np.abs(jump) > JUMP * most) | hurried)
+    rows, (flank,) = turns_of(torque[None], np.array([most]), steps[None])
     swings = float(steps.sum()) / (2.0 * pi)
     whole, slow = FEWEST < swings < FEW, swings if most and swings <= FEWEST else 0.0
     if not most or not (whole or rows.size):
@@ -172,9 +169,8 @@ def borne_torque(
     if swings > MOST_SWINGS:
         return BorneTorque(asked, cycle_rad, fast_swings=swings)
     rows = rows if rows.size else np.zeros(1, dtype=int)
-    # The longest stretch without a turn or a jump comes last: there the teeth have most time to settle.
-    rows = np.roll(rows, -int(np.argmax(np.diff(rows, prepend=rows[-1] - SAMPLES))))
-    starts, width_rad = phi1[rows] + cycle_rad * (rows < rows[0]), cycle_rad / SAMPLES
+    rows, starts = begun(rows, phi1, cycle_rad)
+    width_rad = cycle_rad / SAMPLES
     starts, width_rad, places, torques = closer(asked, most, starts, width_rad, speed_rad_s / swing[rows].max())
     own, order = np.unique(np.concatenate([phi1, places]) % cycle_rad, return_index=True)
     known = np.concatenate([torque, torques])[order]
@@ -200,6 +196,28 @@ def borne_torque(
     if not followed.knocks:
         return followed if whole else BorneTorque(asked, cycle_rad, knocks=(), slow_swings=slow)
     return replace(followed, others=tuple(joined(once(ways.with_play(one)), asked, cycle_rad) for one in plays))
+
+
+def turns_of(torques: Array, most_n_mm: Array, steps: Array) -> tuple[IndexArray, Array]:
+    """Places of a cycle after which a torque reverses or jumps, and the loaded flanks of all n places, shape (q, n).
+
+    ``torques`` (q, n) have the largest sizes ``most_n_mm`` (q,); ``steps`` (q, n) are the swings, in rad, to the next
+    place.  With swings of w rad/s the driven side deviates from T by T'' / w^2, and swings by dT' / w after a kink.
+    """
+    most, jump = most_n_mm[:, None], np.roll(torques, -1, axis=1) - torques
+    flanks = np.stack([flanks_of(one, IDLE * float(top)) for one, top in zip(torques, most_n_mm, strict=True)])
+    hurried = np.abs(np.roll(jump, -1, axis=1) - jump) > SETTLED * most * np.minimum(steps, steps**2)
+    turned = (flanks != np.roll(flanks, -1, axis=1)) | (np.abs(jump) > JUMP * most) | hurried
+    return np.flatnonzero(turned.any(axis=0)), flanks
+
+
+def begun(rows: IndexArray, phi1_rad: Array, cycle_rad: float) -> tuple[IndexArray, Array]:
+    """The rows of turns in the order in which they are followed, and their driving angles, rising, shape (n,) both.
+
+    The longest stretch without a turn or a jump comes last: there the teeth have most time to settle.
+    """
+    rows = np.roll(rows, -int(np.argmax(np.diff(rows, prepend=rows[-1] - SAMPLES))))
+    return rows, phi1_rad[rows] + cycle_rad * (rows < rows[0])
 
 
 def closer(

@@ -9,6 +9,7 @@ resistance may have a narrow peak that no step meets: the places at which it tur
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 
 import numpy as np
 
@@ -127,39 +128,30 @@ def pressed_rad(meshing: Meshing, states: Array) -> Array:
     return np.stack([pushing - error, error - back])
 
 
-def meetings_s(pressed: Callable[[Array], Array], time_s: Array) -> Array:
+def meetings_s(pressed: Callable[[Array], Array], time_s: Array, known: Array | None = None) -> Array:
     """Times, between rising times of shape (n,), at which flanks meet or part.
 
-    ``pressed`` gives the angles by which they are pressed into each other, zero or negative where they are apart.
-    The solver's own search for events is not used: it compares the states of steps with the interpolation between them,
-    which LSODA does not join to them exactly.
+    ``pressed`` gives the angles by which they are pressed into each other, zero or negative where they are apart; at
+    the times these may be ``known``.  The solver's own search for events is not used: it compares the states of steps
+    with the interpolation between them, which LSODA does not join to them exactly.
     """
-    change = np.flatnonzero(np.diff(pressed(time_s) > 0.0))
+    change = np.flatnonzero(np.diff((pressed(time_s) if known is None else known) > 0.0))
     return zeros_between(pressed, time_s[change], time_s[change + 1]) if change.size else np.empty(0)
 
 
-def pushing_parted_s(course: Course) -> Array:
-    """Starts and ends of the times without contact of pushing flanks, shape (k, 2)."""
-    return _parted_s(course, 1)
+def partings_s(course: Course) -> tuple[Array, Array]:
+    """Starts and ends of the times without contact of pushing flanks, and of any flanks, shape (k, 2) each."""
 
+    def pressed(time_s: Array, side: int | slice) -> Array:
+        found: Array = pressed_rad(course.machine.meshing, course.at(time_s))[side]
+        return found
 
-def parted_s(course: Course) -> Array:
-    """Starts and ends of the times without contact of pushing flanks or backs, shape (k, 2)."""
-    return _parted_s(course, 2)
-
-
-def _parted_s(course: Course, sides: int) -> Array:
-    """Starts and ends of the times without contact on the first ``sides`` sides of the teeth, shape (k, 2)."""
-
-    def pressed(time_s: Array) -> Array:
-        return pressed_rad(course.machine.meshing, course.at(time_s))[:sides]
-
-    def meetings(side: int) -> Array:
-        return meetings_s(lambda time_s: pressed(time_s)[side], course.fine_s)
-
-    edges = np.unique(np.concatenate([course.time_s[[0, -1]], *(meetings(side) for side in range(sides))]))
-    apart = pressed((edges[1:] + edges[:-1]) / 2.0).max(axis=0) < -NEAR_RAD
-    return np.column_stack([edges[:-1][apart], edges[1:][apart]])
+    edges, found = course.time_s[[0, -1]], list[Array]()
+    for side, known in enumerate(pressed(course.fine_s, slice(None))):
+        edges = np.union1d(edges, meetings_s(partial(pressed, side=side), course.fine_s, known))
+        apart = pressed((edges[1:] + edges[:-1]) / 2.0, slice(side + 1)).max(axis=0) < -NEAR_RAD
+        found.append(np.column_stack([edges[:-1][apart], edges[1:][apart]]))
+    return found[0], found[1]
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,6 @@ is t.a.  The tangential speeds give the component of a across t in the same way.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Generic, NamedTuple
 
 import numpy as np
 
@@ -31,16 +30,16 @@ from ncgear.dynamics.gaps import ERROR, LEVER, STIFFNESS, Gaps, Near
 from ncgear.dynamics.mesh_force import MeshPlace
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Number, at_least, at_most
+from ncgear.numerics.arrays import Array, ComplexArray, IndexArray
 from ncgear.numerics.periodic_table import PeriodicTable
 from ncgear.numerics.plane import Vector
 from ncgear.numerics.units import in_words
 from ncgear.pitch.shape import Gear
 
 
-def ramp(share: Number) -> Number:
+def ramp(share: Array) -> Array:
     """A cubic from 0 to 1 with slope 0 at both ends, for shares from 0 to 1."""
-    risen: Number = share * share * (3.0 - 2.0 * share)
+    risen: Array = share * share * (3.0 - 2.0 * share)
     return risen
 
 
@@ -55,29 +54,29 @@ class Impact:
     damping_n_s_mm: float
     full_damping_depth_mm: float
 
-    def elastic_n(self, depth_mm: Number, stiffness: Number | float) -> Number:
+    def elastic_n(self, depth_mm: Array, stiffness: Array | float) -> Array:
         """Force from the depth alone; 0 where bodies do not touch."""
-        pressed: Number = stiffness * at_least(depth_mm, 0.0) ** self.exponent
+        pressed: Array = stiffness * np.maximum(depth_mm, 0.0) ** self.exponent
         return pressed
 
-    def damping(self, depth_mm: Number) -> Number:
+    def damping(self, depth_mm: Array) -> Array:
         """c(d) in N s/mm."""
-        return self.damping_n_s_mm * ramp(at_most(at_least(depth_mm / self.full_damping_depth_mm, 0.0), 1.0))
+        return self.damping_n_s_mm * ramp(np.clip(depth_mm / self.full_damping_depth_mm, 0.0, 1.0))
 
-    def force_n(self, elastic_n: Number, damped_n: Number) -> Number:
+    def force_n(self, elastic_n: Array, damped_n: Array) -> Array:
         """Force that presses the bodies apart, from depth and damping; they never pull."""
-        return at_least(elastic_n + damped_n, 0.0)
+        return np.maximum(elastic_n + damped_n, 0.0)
 
-    def energy_n_mm(self, depth_mm: Number, stiffness: Number | float) -> Number:
+    def energy_n_mm(self, depth_mm: Array, stiffness: Array | float) -> Array:
         """Stored energy of the elastic force, linear in the stiffness: the slope of one gives that of the other."""
-        return self.elastic_n(depth_mm, stiffness) * at_least(depth_mm, 0.0) / (self.exponent + 1.0)
+        return self.elastic_n(depth_mm, stiffness) * np.maximum(depth_mm, 0.0) / (self.exponent + 1.0)
 
-    def loss_n_mm_s(self, elastic_n: Number, damped_n: Number, rate_mm_s: Number) -> Number:
+    def loss_n_mm_s(self, elastic_n: Array, damped_n: Array, rate_mm_s: Array) -> Array:
         """Power that damping takes.
 
         Where bodies part so fast that they no longer press each other, it takes all power of the elastic force.
         """
-        return (at_least(elastic_n + damped_n, 0.0) - elastic_n) * rate_mm_s
+        return (np.maximum(elastic_n + damped_n, 0.0) - elastic_n) * rate_mm_s
 
 
 @dataclass(frozen=True)
@@ -93,14 +92,14 @@ class Friction:
     static_mm_s: float
     dynamic_mm_s: float
 
-    def coefficient(self, speed_mm_s: Number) -> Number:
+    def coefficient(self, speed_mm_s: Array) -> Array:
         """Coefficient with the sign of the speed of sliding."""
         speed = abs(speed_mm_s)
-        rising = at_most(speed / self.static_mm_s, 1.0)
-        falling = at_most(at_least((speed - self.static_mm_s) / (self.dynamic_mm_s - self.static_mm_s), 0.0), 1.0)
+        rising = np.minimum(speed / self.static_mm_s, 1.0)
+        falling = np.clip((speed - self.static_mm_s) / (self.dynamic_mm_s - self.static_mm_s), 0.0, 1.0)
         drop = (self.static - self.dynamic) * ramp(falling)
-        sign = 1.0 * (speed_mm_s > 0.0) - 1.0 * (speed_mm_s < 0.0)
-        return sign * (self.static * ramp(rising) - drop)
+        signed: Array = np.sign(speed_mm_s) * (self.static * ramp(rising) - drop)
+        return signed
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,24 +110,6 @@ class TwoShafts:
     speed1_rad_s: Array | float
     phi2_rad: Array | float
     speed2_rad_s: Array | float
-
-
-class PairAt(NamedTuple, Generic[Number]):
-    """Pairs of teeth at a driving angle, or a single pair in plain numbers; sides and quantities as in ``Near``.
-
-    ``behind_rad`` is the angle from the driven gear to the pair's contact; ``rate``, ``lever_slope`` and ``stiffening``
-    are the slopes of this, of the lever and of the stiffness by the driving angle.
-    """
-
-    urge: Number
-    behind_rad: Number
-    rate: Number
-    lever_mm: Number
-    lever_slope: Number
-    driving_mm: Number
-    driven_mm: Number
-    stiffness: Number
-    stiffening: Number
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,23 +189,19 @@ class Meshing:
         self, near: Near, behind: Array, ratio: Array, speeds_rad_s: tuple[Array | float, Array | float]
     ) -> ToothForces:
         """Forces of pairs that the driven gear is so far ``behind`` of."""
-        rate, (_, lever_slope, stiffening) = _column(ratio) + near.slopes[0], near.slopes
-        tangential = near.driving_mm, near.driven_mm
-        pair = PairAt(near.urge, behind, rate, near.lever_mm, lever_slope, *tangential, near.stiffness, stiffening)
-        return ToothForces(near, *self.borne(pair, *map(_column, speeds_rad_s)))
-
-    def borne(self, pair: PairAt[Number], speed1_rad_s: Number, speed2_rad_s: Number) -> tuple[Number, ...]:
-        """The fields of ``ToothForces`` after the first, for pairs, or for a single pair in plain numbers."""
-        urge, behind, rate, lever, lever_slope, driving, driven, stiffness, stiffening = pair
+        urge, lever, driving, driven = near.urge, near.lever_mm, near.driving_mm, near.driven_mm
+        drift, lever_slope, stiffening = near.slopes
+        speed1, speed2 = map(_column, speeds_rad_s)
         arm = urge * lever
         depth = arm * behind
-        by_driving = urge * lever_slope * behind + arm * rate
-        closing = by_driving * speed1_rad_s - arm * speed2_rad_s
-        sliding = driving * speed1_rad_s - driven * speed2_rad_s
-        elastic, damped = self.impact.elastic_n(depth, stiffness), self.impact.damping(depth) * closing
+        by_driving = urge * lever_slope * behind + arm * (_column(ratio) + drift)
+        closing = by_driving * speed1 - arm * speed2
+        sliding = driving * speed1 - driven * speed2
+        elastic, damped = self.impact.elastic_n(depth, near.stiffness), self.impact.damping(depth) * closing
         normal = self.impact.force_n(elastic, damped)
         rubbing = self.friction.coefficient(sliding) * normal
-        return (
+        return ToothForces(
+            near,
             depth,
             normal,
             rubbing,

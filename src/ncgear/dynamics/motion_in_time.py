@@ -185,9 +185,9 @@ ACCURACY = 1e-7
 ENERGY = 1e-4
 """Share of the work done that the balance of energy may miss."""
 
-BETWEEN = 3
-"""Places looked at within each step of the solver, besides its ends: the top of a parabola is then met to a sixteenth
-of its rise over the step, and closed in on from there."""
+BETWEEN = 1
+"""Places looked at within each step of the solver, besides its ends: the top of a parabola is then met to a quarter of
+its rise over the step, and closed in on from there.  Peaks of all designs are the same to 1e-10 with seven places."""
 
 JUDGED = 0.618
 """Place in each step, as a share of it, where the balance of energy is tested."""
@@ -288,7 +288,7 @@ def _getting_on(machine: ToothedMachine, on_way: Callable[[float], None]) -> Cha
 
     ``on_way`` receives the driving angle as it advances.
     """
-    furthest, looked_at, own = -inf, 0, StateByState(machine.drive, machine.meshing, machine.load)
+    furthest, looked_at, own = -inf, 0, StateByState(machine.drive.answer, machine.meshing, machine.load)
 
     def change(time_s: float, state: Array) -> Array:
         nonlocal furthest, looked_at
@@ -305,6 +305,9 @@ def _getting_on(machine: ToothedMachine, on_way: Callable[[float], None]) -> Cha
 
 DEGREE = 12
 """Degree of the polynomials between the ends of steps: the highest order of LSODA, above those of scipy's others."""
+
+SHARES = nodes(np.zeros(1), np.ones(1), DEGREE)[:, 0]
+"""The nodes of these polynomials as shares of a step."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -335,7 +338,7 @@ def _leg(
         passed: Array = np.maximum(states[0] - target_rad, states[2] - stop_rad)
         return passed
 
-    steps, ended = [start], False
+    steps, ended = [start], np.False_
     while solver.status == "running" and not ended:
         said, before_s = solver.step(), steps[-1].time_s
         if solver.status == "failed" and machine.meshing.stiffness_key:
@@ -345,14 +348,14 @@ def _leg(
             )
         if solver.status == "failed":
             raise Unanswered(f"the motion could not be integrated: {said}")
-        between, end_s, state, ended = solver.dense_output(), solver.t, solver.y, bool(beyond(solver.y) >= 0.0)
+        between, end_s, state = solver.dense_output(), solver.t, solver.y
+        ended = state[0] >= target_rad or state[2] >= stop_rad
         if ended:
             end_s = _first_s(beyond, between, before_s, end_s)
             state = between(end_s)
         # The polynomials of steps join up to the solver's error: the end may be that of the step before
         if end_s > before_s:
-            inner = between(nodes(np.array([before_s]), np.array([end_s]), DEGREE)[:, 0]).T
-            steps.append(_Step(end_s, state, inner))
+            steps.append(_Step(end_s, state, between(before_s + (end_s - before_s) * SHARES).T))
     return steps[1:]
 
 

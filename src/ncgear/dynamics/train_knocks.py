@@ -25,17 +25,17 @@ from ncgear.dynamics.driven_side import (
     CHECKED,
     IDLE,
     PER_SWING,
-    SETTLED,
-    TOUCHING,
     TURNING,
     FollowedStretch,
     Knock,
+    bears,
+    knocks_at,
 )
-from ncgear.dynamics.flank_changes import JUMP, SAMPLES, BorneTorque, flanks_of, joined
+from ncgear.dynamics.flank_changes import SAMPLES, BorneTorque, begun, joined, turns_of
 from ncgear.dynamics.meshing import Meshing, NearPairs, moments_n_mm, near_pairs
 from ncgear.dynamics.quasi_static import loaded_contact
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 
 HELD = 4
@@ -89,13 +89,12 @@ class KnockingTrain:
         places, law = self._at(phi1), self.pairs[0].meshing.law
         most = np.abs(places.asked).max(axis=1)
         cycles = cycle_rad, float(law.at(np.array([cycle_rad]))[0][0] - law.at(np.array([0.0]))[0][0])
-        rows, flanks = self._hurried(places, most, cycle_rad)
+        width_rad = cycle_rad / SAMPLES
+        rows, flanks = turns_of(places.asked, most, width_rad / self.speed_rad_s * places.swings_rad_s)
         if not most.all() or not rows.size:
             first, second = (BorneTorque(one.asked, c, knocks=()) for one, c in zip(self.pairs, cycles, strict=True))
             return first, second
-        # The longest stretch without a turn or a jump comes last: there the teeth have most time to settle.
-        rows = np.roll(rows, -int(np.argmax(np.diff(rows, prepend=rows[-1] - SAMPLES))))
-        starts, width_rad = phi1[rows] + cycle_rad * (rows < rows[0]), cycle_rad / SAMPLES
+        rows, starts = begun(rows, phi1, cycle_rad)
         found, end_rad = list[tuple[FollowedStretch, FollowedStretch]](), float(starts[0]) + 2.0 * cycle_rad
         for start_rad, on in zip(starts, flanks[:, rows].T, strict=True):
             if not found or start_rad > found[-1][0].phi1_rad[-1]:
@@ -105,15 +104,6 @@ class KnockingTrain:
             joined([one[place] for one in found], self.pairs[place].asked, cycles[place]) for place in (0, 1)
         )
         return first, second
-
-    def _hurried(self, places: _Places, most: Array, cycle_rad: float) -> tuple[IndexArray, Array]:
-        """Rows of places after which a torque reverses or jumps, and the loaded flanks of all rows, shape (2, n)."""
-        flanks = np.stack([flanks_of(one, IDLE * top) for one, top in zip(places.asked, most, strict=True)])
-        jump = np.roll(places.asked, -1, axis=1) - places.asked
-        steps = cycle_rad / SAMPLES / self.speed_rad_s * places.swings_rad_s
-        hurried = np.abs(np.roll(jump, -1, axis=1) - jump) > SETTLED * most[:, None] * np.minimum(steps, steps**2)
-        turned = flanks != np.roll(flanks, -1, axis=1)
-        return np.flatnonzero(np.any(turned | (np.abs(jump) > JUMP * most[:, None]) | hurried, axis=0)), flanks
 
     def _at(self, phi1_rad: Array) -> _Places:
         first, second = (one.meshing for one in self.pairs)
@@ -163,17 +153,13 @@ class KnockingTrain:
                 torque.append(borne)
                 swing, own = along.swings_rad_s[:, part], along.own[:, part]
                 for i in (0, 1):
-                    knocks[i].extend(
-                        Knock(float(along.angle_rad[i, part][row]), speed * float(pairs[i][1][part][row]))
-                        for row, speed in met[i]
-                        if speed * float(own[i, row] * swing[i, row]) > SETTLED * most[i]
-                    )
+                    for row, speed in met[i]:
+                        speed_mm_s, pressed = speed * pairs[i][1][part][row], speed * own[i, row] * swing[i, row]
+                        knocks[i].extend(knocks_at(along.angle_rad[i, part][row], speed_mm_s, pressed, most[i]))
                 asked = along.asked[:, part]
                 missed = np.abs(borne[TURNING] - np.repeat(asked, HELD, axis=1)).max(axis=1)
                 swinging = np.maximum(missed, np.abs(self._momenta(state, along, part)) * swing.max(axis=1))
-                least, largest = np.abs(asked).min(axis=1), np.abs(asked).max(axis=1)
-                touching = (swinging <= TOUCHING * least) | (largest <= IDLE * most)
-                done = bool(np.all(touching & (swinging <= SETTLED * most)) and phi1[-1][-1] >= ends_rad[0])
+                done = phi1[-1][-1] >= ends_rad[0] and all(map(bears, asked, swinging, most))
                 if done:
                     break
             if done:

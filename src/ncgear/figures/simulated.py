@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from ncgear.design.words import ORDINALS
-from ncgear.dynamics.history import CRANK_BEARING, History, MotionPeaks, Peak, parted_s, pushing_parted_s
+from ncgear.dynamics.history import CRANK_BEARING, History, MotionPeaks, Peak
 from ncgear.dynamics.level import Level
 from ncgear.dynamics.loaded_machine import Loads
 from ncgear.dynamics.rigid import LoadPeaks, Rigid
@@ -248,11 +248,14 @@ def dynamic_table(history: History, linkage: Mechanism) -> dict[str, Array]:
     }
 
 
-def dynamic_figures(drive: Drive, peaks: MotionPeaks) -> dict[str, Any]:
-    """The slider beside its law, the bearings, and the teeth, with the driving angle of each peak."""
+def dynamic_figures(drive: Drive, peaks: MotionPeaks, partings_s: tuple[Array, Array]) -> dict[str, Any]:
+    """The slider beside its law, the bearings, and the teeth, with the driving angle of each peak.
+
+    ``partings_s`` are those of pushing flanks, and of any flanks.
+    """
     course, work, output = drive.course, drive.course.states[4:, -1], drive.linkage.OUTPUT
     names = {CRANK_BEARING: bearing_name(drive.linkage)}
-    pushing_parted, parted = pushing_parted_s(course), parted_s(course)
+    pushing_parted, parted = partings_s
     return {
         **_about(drive, Level.DYNAMIC),
         output.name.replace(" ", "_"): {

@@ -14,7 +14,7 @@ from ncgear.drawings.charts.chart import EMPTY, NO_STRETCHES, Chart, ChartLine, 
 from ncgear.drawings.charts.drawer import LOAD_LOOK, SIMULATION_COLUMN, TIME_LOOK, Look, column_png
 from ncgear.drawings.charts.slider_charts import MOTION
 from ncgear.drawings.pictures import titled
-from ncgear.dynamics.history import PER_TURN, History, even_times_s, history, pushing_parted_s
+from ncgear.dynamics.history import PER_TURN, History, even_times_s, history, partings_s
 from ncgear.dynamics.level import Level
 from ncgear.dynamics.loaded_machine import Loads
 from ncgear.figures.advice.drivetrain_advice import SMOOTH_GUIDE
@@ -191,7 +191,8 @@ class Simulated:
 def simulate(drive: Drive, level: Level) -> Simulated:
     """Simulate a machine at a level; raises WrongInput where the design lacks what the level needs.
 
-    The verdict is that of a build; at the rigid level, which makes teeth only for a drivetrain, it is that of a check.
+    The verdict is that of a build, but for values of remedies that only trials of other gears tell; at the rigid level,
+    which makes teeth only for a drivetrain, it is that of a check.
     """
     table, figures, pictures = _at_level(drive, level)
     with_teeth = drive.design.gears is not None and (level is not Level.RIGID or drive.design.drivetrain is not None)
@@ -203,7 +204,7 @@ def simulate(drive: Drive, level: Level) -> Simulated:
             parted_in_time(*parted, float(time_s[-1] - time_s[0])),
             *([SMOOTH_GUIDE] if drive.rigid.machine.guide_friction else []),
         ]
-    verdict = judged(drive, KnownParts.TEETH if with_teeth else KnownParts.MOTION, found)
+    verdict = judged(drive, KnownParts.TEETH if with_teeth else KnownParts.MOTION, found, seconds=0.0)
     return Simulated(table, {**figures, **verdict_summary(verdict)}, pictures, verdict)
 
 
@@ -251,9 +252,9 @@ def _dynamic(drive: Drive) -> Results:
     Pictures have points at even times and one at each peak, so that they show the peaks of the figures.
     """
     course, rigid = drive.course, drive.rigid.machine
-    peaks = drive.peaks_of(course)
+    peaks, partings = drive.peaks_of(course), partings_s(course)
     drawn = history(course, rigid, np.union1d(even_times_s(course, PER_TURN), peaks.times_s))
-    apart_deg = np.degrees(np.stack([course.at(ends)[0] for ends in pushing_parted_s(course).T], axis=-1))
+    apart_deg = np.degrees(np.stack([course.at(ends)[0] for ends in partings[0].T], axis=-1))
 
     def in_time(quantities: Mapping[str, tuple[str, Array]]) -> list[Chart]:
         return [
@@ -267,4 +268,4 @@ def _dynamic(drive: Drive) -> Results:
         "tooth_force.png": (in_time(teeth_in_time(drawn)), "teeth and torque"),
         "bearing_forces.png": (in_time(bearings_in_time(drive, drawn)), "bearings"),
     }
-    return table, dynamic_figures(drive, peaks), _pictures(drive, TIME_LOOK, charts)
+    return table, dynamic_figures(drive, peaks, partings), _pictures(drive, TIME_LOOK, charts)

@@ -31,16 +31,6 @@ Kind = TypeVar("Kind", np.float64, np.complex128, np.intp)
 """Kinds of numbers of an array."""
 
 
-def at_least(value: Number, least: float) -> Number:
-    """The number, or each value of the array, raised to ``least`` where it is less; one number stays a plain number."""
-    return np.maximum(value, least) if isinstance(value, np.ndarray) else least if value < least else value
-
-
-def at_most(value: Number, most: float) -> Number:
-    """The number, or each value of the array, lowered to ``most`` where it is more; one number stays a plain number."""
-    return np.minimum(value, most) if isinstance(value, np.ndarray) else most if value > most else value
-
-
 def repeated(many: Any, count: int) -> Any:
     """Repeats each design ``count`` times in a row, in a dataclass whose arrays count designs along their last axis."""
     arrays = {name: np.repeat(value, count, axis=-1) for name, value in _arrays(many).items()}

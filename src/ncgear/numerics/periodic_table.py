@@ -86,21 +86,6 @@ class PlaceByPlace:
         return turns, local - self._low
 
 
-def with_slope(row: Sequence[float], step: float) -> tuple[float, float]:
-    """Value and slope of a polynomial, highest power first, at a distance from its start."""
-    value, slope = row[0], 0.0
-    for coefficient in row[1:]:
-        slope = slope * step + value
-        value = value * step + coefficient
-    return value, slope
-
-
-def cubic(row: Sequence[float], step: float) -> tuple[float, float]:
-    """As ``with_slope``, for a cubic, in half the time."""
-    third, second, first, value = row
-    return ((third * step + second) * step + first) * step + value, (3.0 * third * step + 2.0 * second) * step + first
-
-
 def cubics(width: Array, start: Sequence[Array], end: Sequence[Array]) -> Array:
     """Cubics on intervals with given values and slopes at both ends (Hermite), shape (m, ...) each; width (m,).
 

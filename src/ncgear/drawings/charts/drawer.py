@@ -96,8 +96,10 @@ def draw(axes: Axes, chart: Chart, look: Look) -> None:
     if chart.joints_deg.size <= MOST_JOINTS:
         for number, joint in enumerate(chart.joints_deg):
             axes.axvline(joint, label=None if number else "joints of the law", **AT_JOINTS)
-    for number, (start, end) in enumerate(chart.apart_deg):
-        axes.axvspan(start, end, label="" if number else "pushing flanks apart", **APART)
+    if chart.apart_deg.size:
+        spans = [(start, end - start) for start, end in chart.apart_deg]
+        whole = axes.get_xaxis_transform()
+        axes.broken_barh(spans, (0.0, 1.0), transform=whole, label="pushing flanks apart", **APART)
     if chart.counts:
         most = int(max(line.values.max() for line in chart.lines))
         axes.set_yticks(range(most + 1))
