@@ -307,7 +307,7 @@ def loads(text: str, name: str = "text") -> Drive:
     return Drive(loaded.design, loaded=loaded)
 
 
-BODY = ("face_width_mm", "material")
+BODY = ("face_width_mm", "material", "driving", "driven", "lead")
 """Keys that change nothing of straight teeth in the plane across the axes."""
 
 SAME_TEETH = ("pitch", "rack", "play", "tooth_form", "teeth", "free_contact")

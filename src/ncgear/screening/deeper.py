@@ -18,6 +18,7 @@ from ncgear.errors import DesignError, WrongInput
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.figures import CONTACT, OF_PAIR
+from ncgear.project.opened import drive_like
 from ncgear.screening.designs import MADE, Designs, as_in_file
 
 
@@ -89,9 +90,16 @@ def deepened(data: dict[str, Any], pairs: int, stage: str, designs: Designs) -> 
     """
     rows: list[dict[str, float]] = []
     verdicts: list[str] = []
+    drive: Drive | None = None
     for place in range(len(designs.numbers)):
         values = [column[place] for column in designs.values.values()]
-        row, verdict = _followed(checked_design(data, tuple(designs.values), map(float, values)), stage)
+        design = checked_design(data, tuple(designs.values), map(float, values))
+        if isinstance(design, Design):
+            # The same law and the same teeth as of the design before are not made again.
+            drive = Drive(design) if drive is None else drive_like(drive, design)
+            row, verdict = _followed(drive, stage)
+        else:
+            row, verdict = {}, str(design)
         rows.append(row)
         verdicts.append(as_in_file(data, verdict))
     names = deeper_names(pairs, stage)
@@ -100,16 +108,13 @@ def deepened(data: dict[str, Any], pairs: int, stage: str, designs: Designs) -> 
     return replace(designs, figures={**designs.figures, **more}, verdicts=told)
 
 
-def _followed(design: Design | WrongInput, stage: str) -> tuple[dict[str, float], str]:
+def _followed(drive: Drive, stage: str) -> tuple[dict[str, float], str]:
     """The figures of a design up to its refusal, and its verdict."""
     found: dict[str, float] = {}
     try:
-        if isinstance(design, WrongInput):
-            raise design
-        drive = Drive(design)
         for one in stages_up_to(stage):
             for number, pair in enumerate(drive.by_stage, start=1):
-                of = _of_pair(number, design.stages)
+                of = _of_pair(number, drive.design.stages)
                 found |= {f"{of}{name}": float(figure(pair)) for name, figure in STAGES[one].items()}
     except DesignError as error:
         return found, str(error)
