@@ -309,9 +309,17 @@ resistance: {polynomial_n: [200]}
 
 @pytest.mark.thorough
 def test_designs_with_the_teeth_of_the_design_before_have_the_figures_that_they_have_alone() -> None:
-    """To the last digit: width, bore and speed leave the teeth as they are, and a shift does not."""
+    """To the last digit: a width keeps teeth, loads and rims, a bore teeth and loads, a speed teeth, a shift none."""
     keys = "gears.face_width_mm", "gears.driving.bore_mm", "operation.speed_rpm", "gears.profile_shift.driving"
-    rows = np.array([(12.0, 8.0, 30.0, 0.3), (15.0, 8.0, 30.0, 0.3), (15.0, 9.0, 60.0, 0.3), (15.0, 9.0, 60.0, 0.4)])
+    rows = np.array(
+        [
+            (12.0, 8.0, 30.0, 0.3),
+            (15.0, 8.0, 30.0, 0.3),
+            (15.0, 9.0, 30.0, 0.3),
+            (15.0, 9.0, 60.0, 0.3),
+            (15.0, 9.0, 60.0, 0.4),
+        ]
+    )
     data, count = parsed(PUMP, Path("pump")).data, len(rows)
     every = Designs(np.arange(count), dict(zip(keys, rows.T, strict=True)), {}, np.full(count, MADE, dtype=object))
     together = deepened(data, 1, "strength", every)

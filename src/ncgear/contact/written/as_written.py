@@ -9,6 +9,7 @@ The clearance of tips over roots is measured on the outlines, along the normals 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from math import sin
 
 import numpy as np
@@ -39,7 +40,13 @@ class Outlines:
 
     def facing(self, placement: Placement) -> Facing:
         """Both outlines as they are compared, in a placement of theirs."""
-        return facing_outlines(self.driving_mm, self.driven_mm, placement)
+        return _facing(self, placement)
+
+
+@lru_cache(maxsize=4)
+def _facing(outlines: Outlines, placement: Placement) -> Facing:
+    """Kept: the search of extremes asks for the cells of the outlines that the even positions have made."""
+    return facing_outlines(outlines.driving_mm, outlines.driven_mm, placement)
 
 
 @dataclass(frozen=True, eq=False)
