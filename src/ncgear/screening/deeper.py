@@ -34,11 +34,10 @@ def _strength_of(gear: Gear) -> dict[str, Callable[[Drive], float]]:
     }
 
 
-TEETH = ("teeth_driving", "teeth_driven", "module_mm", "backlash_mm")
-
 STAGES: dict[str, dict[str, Callable[[Drive], float]]] = {
     "teeth": {
-        **{f"teeth.{key.removeprefix('teeth_')}": OF_PAIR[key] for key in TEETH},
+        **{f"teeth.{key}": OF_PAIR[f"teeth_{key}"] for key in ("driving", "driven")},
+        **{f"teeth.{key}": OF_PAIR[key] for key in ("module_mm", "backlash_mm")},
         "teeth.undercut_driving": lambda drive: len(drive.teeth.driving.undercut),
         "teeth.undercut_driven": lambda drive: len(drive.teeth.driven.undercut),
     },
@@ -54,8 +53,7 @@ STAGES: dict[str, dict[str, Callable[[Drive], float]]] = {
 
 def stages_up_to(stage: str) -> tuple[str, ...]:
     """The stages that a design goes through, up to this one."""
-    names = list(STAGES)
-    return tuple(names[: names.index(stage) + 1])
+    return tuple(STAGES)[: list(STAGES).index(stage) + 1]
 
 
 def deeper_names(pairs: int, stage: str) -> tuple[str, ...]:
@@ -88,23 +86,19 @@ def deepened(data: dict[str, Any], pairs: int, stage: str, designs: Designs) -> 
 
     ``data`` is the file's content, of a machine with ``pairs`` pairs of gears.
     """
-    rows: list[dict[str, float]] = []
-    verdicts: list[str] = []
+    found: list[tuple[dict[str, float], str]] = []
     drive: Drive | None = None
     for place in range(len(designs.numbers)):
         values = [column[place] for column in designs.values.values()]
         design = checked_design(data, tuple(designs.values), map(float, values))
-        if isinstance(design, Design):
-            # The same law and the same teeth as of the design before are not made again.
-            drive = Drive(design) if drive is None else drive_like(drive, design)
-            row, verdict = _followed(drive, stage)
-        else:
-            row, verdict = {}, str(design)
-        rows.append(row)
-        verdicts.append(as_in_file(data, verdict))
-    names = deeper_names(pairs, stage)
-    more = {name: np.array([row.get(name, np.nan) for row in rows]) for name in names}
-    told = np.array(verdicts, dtype=object)
+        if isinstance(design, WrongInput):
+            found.append(({}, str(design)))
+            continue
+        # Law, teeth and contact of the design before are kept where they are the same.
+        drive = Drive(design) if drive is None else drive_like(drive, design)
+        found.append(_followed(drive, stage))
+    more = {name: np.array([row.get(name, np.nan) for row, _ in found]) for name in deeper_names(pairs, stage)}
+    told = np.array([as_in_file(data, verdict) for _, verdict in found], dtype=object)
     return replace(designs, figures={**designs.figures, **more}, verdicts=told)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from enum import StrEnum
-from functools import cached_property
 
 import numpy as np
 
@@ -36,16 +35,13 @@ class EnduredStress:
         log = np.interp(np.log(cycles), np.log(self.cycles), np.log(self.stress_mpa))
         return np.asarray(np.exp(log))
 
-    @cached_property
-    def _falling(self) -> tuple[Array, Array]:
-        return np.log(self.stress_mpa[::-1]), np.log(self.cycles[::-1])
-
     def cycles_to_failure(self, stress_mpa: Array) -> Array:
         """The number of cycles for which stresses of 0 MPa or more are endured, any shape.
 
         It is 0 above the first stress, and infinite up to the last one.
         """
-        log = np.interp(np.log(np.maximum(stress_mpa, self.stress_mpa[-1])), *self._falling)
+        falling = np.log(self.stress_mpa[::-1]), np.log(self.cycles[::-1])
+        log = np.interp(np.log(np.maximum(stress_mpa, self.stress_mpa[-1])), *falling)
         number = np.where(stress_mpa <= self.stress_mpa[-1], np.inf, np.exp(log))
         return np.asarray(np.where(stress_mpa > self.stress_mpa[0], 0.0, number))
 

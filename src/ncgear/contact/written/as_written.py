@@ -38,14 +38,10 @@ class Outlines:
     driving_mm: Array
     driven_mm: Array
 
-    def facing(self, placement: Placement) -> Facing:
-        """Both outlines as they are compared, in a placement of theirs."""
-        return _facing(self, placement)
-
 
 @lru_cache(maxsize=4)
-def _facing(outlines: Outlines, placement: Placement) -> Facing:
-    """Kept: the search of extremes asks for the cells of the outlines that the even positions have made."""
+def facing_in(placement: Placement, outlines: Outlines) -> Facing:
+    """Outlines as they are compared, in a placement of theirs; kept, as extremes need the cells of even positions."""
     return facing_outlines(outlines.driving_mm, outlines.driven_mm, placement)
 
 
@@ -81,7 +77,7 @@ class AsWritten:
 
 def as_written(outlines: Outlines, teeth: ToothedPair, placement: Placement, reach_mm: float) -> AsWritten:
     """Contact of outlines up to ``reach_mm`` from the pitch point; raises NoSuchMechanism where they do not reach."""
-    facing = outlines.facing(placement)
+    facing = facing_in(placement, outlines)
     first = placement.beginning(placement.repeat(facing.driving[::-1], facing.driven))
     play = outline_play(facing, first, reach_mm)
     tips = _tip_clearances(outlines, teeth, first)
