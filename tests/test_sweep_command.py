@@ -5,18 +5,21 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from at_once import at_once
 from commands import Outcome, Run, on_text
 from ncgear.design.keys.design import Design
 from ncgear.design.laws.registry import LawName
-from ncgear.design.reading.design_file import load
+from ncgear.design.reading.design_file import load, parsed
 from ncgear.design.reading.places import with_value
 from ncgear.design.space import MOST_DESIGNS, MOST_VALUES
 from ncgear.design.template import template
 from ncgear.files import sweep as files
 from ncgear.project.drive import Drive
+from ncgear.screening.deeper import deepened
+from ncgear.screening.designs import MADE, Designs
 from ncgear.screening.rows import single_figures
 
 SPEEDS = "motion.v1_mm_s=1500:1700:3"
@@ -292,3 +295,38 @@ def test_a_stage_that_no_design_can_reach_is_refused(run: Run) -> None:
     status, _, err = run("motion.cosine.1=-0.05:0.05:5", "--stage=teeth", text=text)
     assert status == 2
     assert "gears: missing; without gears there is no stage teeth, and --stage check is right" in err
+
+
+PUMP = """\
+name: pump
+linkage: {crank_mm: 20, rod_mm: 80}
+operation: {speed_rpm: 30}
+motion: {law: harmonic_ratio, cosine: [0.1]}
+gears: {teeth: 17, module_mm: 2, face_width_mm: 12, driving: {bore_mm: 8}, profile_shift: {driving: 0.3}}
+resistance: {polynomial_n: [200]}
+"""
+
+
+@pytest.mark.thorough
+def test_designs_with_the_teeth_of_the_design_before_have_the_figures_that_they_have_alone() -> None:
+    """To the last digit: a width keeps teeth, loads and rims, a bore teeth and loads, a speed teeth, a shift none."""
+    keys = "gears.face_width_mm", "gears.driving.bore_mm", "operation.speed_rpm", "gears.profile_shift.driving"
+    rows = np.array(
+        [
+            (12.0, 8.0, 30.0, 0.3),
+            (15.0, 8.0, 30.0, 0.3),
+            (15.0, 9.0, 30.0, 0.3),
+            (15.0, 9.0, 60.0, 0.3),
+            (15.0, 9.0, 60.0, 0.4),
+        ]
+    )
+    data, count = parsed(PUMP, Path("pump")).data, len(rows)
+    every = Designs(np.arange(count), dict(zip(keys, rows.T, strict=True)), {}, np.full(count, MADE, dtype=object))
+    together = deepened(data, 1, "strength", every)
+    assert together.made.all()
+    for number in range(count):
+        alone = deepened(data, 1, "strength", every.at(np.array([number]))).figures
+        assert {name: column[number] for name, column in together.figures.items()} == {
+            name: column[0] for name, column in alone.items()
+        }
+    assert np.unique(together.figures["strength.bending_safety_driving_min"]).size == count

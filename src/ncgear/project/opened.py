@@ -307,8 +307,8 @@ def loads(text: str, name: str = "text") -> Drive:
     return Drive(loaded.design, loaded=loaded)
 
 
-BODY = ("face_width_mm", "material")
-"""Keys that change nothing of straight teeth in the plane across the axes."""
+BODY = ("face_width_mm", "material", "lead", "driving", "driven")
+"""Keys that change nothing of straight teeth in the plane across the axes; the first three leave bodies there, too."""
 
 SAME_TEETH = ("pitch", "rack", "play", "tooth_form", "teeth", "free_contact")
 """Attributes of a drive that do not change with these keys, nor with lengths of the mechanism that the law does not
@@ -340,9 +340,13 @@ def _in_common(one: Design, other: Design) -> tuple[str, ...]:
     before, after = one.gears, other.gears
     if before is None or after is None:
         return law
-    same_body = {name: getattr(before, name) for name in BODY}
-    if before.helix is None and one.output == other.output and after.model_copy(update=same_body) == before:
-        return *law, *SAME_TEETH, *(("_free_extremes",) if one.operation == other.operation else ())
+    teeth, bodies = ({name: getattr(before, name) for name in names} for names in (BODY, BODY[:3]))
+    if before.helix is None and one.output == other.output and after.model_copy(update=teeth) == before:
+        extremes = ("_free_extremes",) if one.operation == other.operation else ()
+        rims = ("rims",) if same_linkage and after.model_copy(update=bodies) == before else ()
+        # The gears' inertia counts among masses.
+        same_load = one.masses is None and other.model_copy(update={"gears": before}) == one
+        return *law, *SAME_TEETH, *extremes, *rims, *(("machine", "tooth_load") if same_load else ())
     sizes = [[getattr(gears, name) for name in (*SIZES, "mesh")] for gears in (before, after)]
     if sizes[0] == sizes[1] and reach_in_pitches(before) == reach_in_pitches(after):
         return *law, "pitch"

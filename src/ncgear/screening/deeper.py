@@ -18,6 +18,7 @@ from ncgear.errors import DesignError, WrongInput
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.figures import CONTACT, OF_PAIR
+from ncgear.project.opened import drive_like
 from ncgear.screening.designs import MADE, Designs, as_in_file
 
 
@@ -33,11 +34,10 @@ def _strength_of(gear: Gear) -> dict[str, Callable[[Drive], float]]:
     }
 
 
-TEETH = ("teeth_driving", "teeth_driven", "module_mm", "backlash_mm")
-
 STAGES: dict[str, dict[str, Callable[[Drive], float]]] = {
     "teeth": {
-        **{f"teeth.{key.removeprefix('teeth_')}": OF_PAIR[key] for key in TEETH},
+        **{f"teeth.{key}": OF_PAIR[f"teeth_{key}"] for key in ("driving", "driven")},
+        **{f"teeth.{key}": OF_PAIR[key] for key in ("module_mm", "backlash_mm")},
         "teeth.undercut_driving": lambda drive: len(drive.teeth.driving.undercut),
         "teeth.undercut_driven": lambda drive: len(drive.teeth.driven.undercut),
     },
@@ -53,8 +53,7 @@ STAGES: dict[str, dict[str, Callable[[Drive], float]]] = {
 
 def stages_up_to(stage: str) -> tuple[str, ...]:
     """The stages that a design goes through, up to this one."""
-    names = list(STAGES)
-    return tuple(names[: names.index(stage) + 1])
+    return tuple(STAGES)[: list(STAGES).index(stage) + 1]
 
 
 def deeper_names(pairs: int, stage: str) -> tuple[str, ...]:
@@ -87,29 +86,29 @@ def deepened(data: dict[str, Any], pairs: int, stage: str, designs: Designs) -> 
 
     ``data`` is the file's content, of a machine with ``pairs`` pairs of gears.
     """
-    rows: list[dict[str, float]] = []
-    verdicts: list[str] = []
+    found: list[tuple[dict[str, float], str]] = []
+    drive: Drive | None = None
     for place in range(len(designs.numbers)):
         values = [column[place] for column in designs.values.values()]
-        row, verdict = _followed(checked_design(data, tuple(designs.values), map(float, values)), stage)
-        rows.append(row)
-        verdicts.append(as_in_file(data, verdict))
-    names = deeper_names(pairs, stage)
-    more = {name: np.array([row.get(name, np.nan) for row in rows]) for name in names}
-    told = np.array(verdicts, dtype=object)
+        design = checked_design(data, tuple(designs.values), map(float, values))
+        if isinstance(design, WrongInput):
+            found.append(({}, str(design)))
+            continue
+        # Law, teeth and contact of the design before are kept where they are the same.
+        drive = Drive(design) if drive is None else drive_like(drive, design)
+        found.append(_followed(drive, stage))
+    more = {name: np.array([row.get(name, np.nan) for row, _ in found]) for name in deeper_names(pairs, stage)}
+    told = np.array([as_in_file(data, verdict) for _, verdict in found], dtype=object)
     return replace(designs, figures={**designs.figures, **more}, verdicts=told)
 
 
-def _followed(design: Design | WrongInput, stage: str) -> tuple[dict[str, float], str]:
+def _followed(drive: Drive, stage: str) -> tuple[dict[str, float], str]:
     """The figures of a design up to its refusal, and its verdict."""
     found: dict[str, float] = {}
     try:
-        if isinstance(design, WrongInput):
-            raise design
-        drive = Drive(design)
         for one in stages_up_to(stage):
             for number, pair in enumerate(drive.by_stage, start=1):
-                of = _of_pair(number, design.stages)
+                of = _of_pair(number, drive.design.stages)
                 found |= {f"{of}{name}": float(figure(pair)) for name, figure in STAGES[one].items()}
     except DesignError as error:
         return found, str(error)

@@ -224,8 +224,8 @@ def first_within(
     met = replace(met, there=met.there & (met.position < count))
     met = met.kept(np.isin(met.side, sides) & met.there.any(axis=1))
     found = _candidates(teeth, _paths_of(teeth), placement, met, within_mm)
-    flanks = found.flanks.contacts
-    contacts = Contacts.joined([flanks, first_edge_contacts(found.hits, flanks, found.first_rad, within_mm)])
+    flanks, hits = found.flanks.contacts, [one.kept(np.isin(one.side, sides)) for one in found.hits]
+    contacts = Contacts.joined([flanks, first_edge_contacts(hits, flanks, found.first_rad, within_mm)])
     return [contacts.on(side) for side in sides]
 
 

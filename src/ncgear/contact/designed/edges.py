@@ -170,8 +170,7 @@ def first_edge_contacts(
     found: Sequence[EdgeHits], flanks: Contacts, first_rad: Array, within_mm: Array | float
 ) -> Contacts:
     """As ``edge_contacts``: the first corner of each pair of teeth, side and position, and the contacts ``flanks``."""
-    near = _hits_within(found, first_rad, within_mm)
-    placement = found[0].curves.placement
+    near, placement = _hits_within(found, first_rad, within_mm), found[0].curves.placement
     error = [SURELY * hits.stray_mm / np.maximum(hits.lever_mm, TINY) for hits in near]
     places = [flanks.place(placement), *(hits.place for hits in near)]
     met = [(flanks.driving, flanks.driven), *((hits.driving, hits.driven) for hits in near)]
@@ -181,16 +180,11 @@ def first_edge_contacts(
     order = np.argsort(pair, kind="stable")
     begins = np.flatnonzero(np.append(True, np.diff(pair[order]) != 0))
     first = np.empty(pair.size)
-    first[order] = np.repeat(
-        np.maximum.reduceat(np.concatenate(surely)[order], begins), np.diff(begins, append=pair.size)
-    )
+    most = np.maximum.reduceat(np.concatenate(surely)[order], begins)
+    first[order] = np.repeat(most, np.diff(begins, append=pair.size))
     of_hits = np.split(first, np.cumsum([of.size for of in places])[:-1])[1:]
-    return Contacts.joined(
-        [
-            _touching(hits.kept(hits.lead_rad + by >= leads))
-            for hits, by, leads in zip(near, error, of_hits, strict=True)
-        ]
-    )
+    chosen = (hits.kept(hits.lead_rad + by >= leads) for hits, by, leads in zip(near, error, of_hits, strict=True))
+    return Contacts.joined([_touching(hits) for hits in chosen])
 
 
 def _hits_within(found: Sequence[EdgeHits], first_rad: Array, within_mm: Array | float) -> list[EdgeHits]:

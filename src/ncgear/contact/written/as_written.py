@@ -9,6 +9,7 @@ The clearance of tips over roots is measured on the outlines, along the normals 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from math import sin
 
 import numpy as np
@@ -37,9 +38,11 @@ class Outlines:
     driving_mm: Array
     driven_mm: Array
 
-    def facing(self, placement: Placement) -> Facing:
-        """Both outlines as they are compared, in a placement of theirs."""
-        return facing_outlines(self.driving_mm, self.driven_mm, placement)
+
+@lru_cache(maxsize=4)
+def facing_in(placement: Placement, outlines: Outlines) -> Facing:
+    """Outlines as they are compared, in a placement of theirs; kept, as extremes need the cells of even positions."""
+    return facing_outlines(outlines.driving_mm, outlines.driven_mm, placement)
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +77,7 @@ class AsWritten:
 
 def as_written(outlines: Outlines, teeth: ToothedPair, placement: Placement, reach_mm: float) -> AsWritten:
     """Contact of outlines up to ``reach_mm`` from the pitch point; raises NoSuchMechanism where they do not reach."""
-    facing = outlines.facing(placement)
+    facing = facing_in(placement, outlines)
     first = placement.beginning(placement.repeat(facing.driving[::-1], facing.driven))
     play = outline_play(facing, first, reach_mm)
     tips = _tip_clearances(outlines, teeth, first)

@@ -15,7 +15,7 @@ import numpy as np
 from ncgear.contact.designed.as_designed import ALIKE_RAD, AsDesigned, touch_at
 from ncgear.contact.designed.extremes import ValueRange, at_angles, over_cycle, ranges_of
 from ncgear.contact.placement import Placement, placed_at
-from ncgear.contact.written.as_written import AsWritten, Outlines, require_reached
+from ncgear.contact.written.as_written import AsWritten, Outlines, facing_in, require_reached
 from ncgear.contact.written.play import outline_play
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
@@ -136,7 +136,7 @@ def _touched_at(
     outlines: Outlines, pitch: PitchPair, known: AsWritten, even: Placement, reach_mm: float
 ) -> Callable[[Array], Touched]:
     rolled, middle = over_cycle(even, _both_sides(known).mean(axis=0, keepdims=True))
-    facing = outlines.facing(even)
+    facing = facing_in(even, outlines)
 
     def touch_in(placement: Placement) -> tuple[Array, Array]:
         """Angles beyond a placement's at which pushing flanks and backs touch, shape (2, n), and overlaps in it."""
