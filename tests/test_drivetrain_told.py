@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from ncgear.figures.advice.drivetrain_advice import _of_bearings, _of_jam, _of_motor, _of_pto, _of_shaft
+from ncgear.figures.advice.drivetrain_advice import _of_bearings, _of_jam, _of_keys, _of_motor, _of_pto, _of_shaft
 from ncgear.figures.drivetrain import drivetrain_figures
 from ncgear.numerics.extrema import Extremum
 
@@ -184,12 +184,11 @@ def test_parts_that_do_not_hold_are_told_with_values_that_do() -> None:
 
     weak = shaft()
     weak.shaft.fatigue, weak.key.safety, weak.key.both_senses = 1.1, 0.5, True
-    bent, pressed, played = told(_of_shaft(DRIVEN, weak))
+    bent, pressed = told(_of_shaft(DRIVEN, weak))
     assert "1.1 against fatigue" in bent
     assert "diameter_mm: 36" in bent
     assert "50 MPa, and 25 MPa are allowed" in pressed
     assert "length_mm: 40" in pressed
-    assert "without play" in played
 
     weak.key.safety = 0.8
     weak.jammed = Made(static_n=(9e3, 1e3), static_safety=(0.5, 3.0), yielding=1.2 / 8.0)
@@ -203,6 +202,17 @@ def test_parts_that_do_not_hold_are_told_with_values_that_do() -> None:
 
     diameter = float(yields.partition("diameter_mm: ")[2].split()[0])
     assert diameter == pytest.approx(60.0 * (LEAST_SAFETY / 1.2) ** (1.0 / 3.0), rel=1e-3)
+
+
+def test_keys_whose_torque_changes_its_sense_are_not_judged_once_for_all_shafts() -> None:
+    """Their safety is kept, so that nothing is broken; a shaft whose torque keeps its sense is not named."""
+    turning, even = shaft(), shaft()
+    turning.key.both_senses = True
+    (both,) = _of_keys([DRIVING, DRIVEN], [turning, turning])
+    assert both.why.startswith("the torque of the driving shaft and driven shaft changes its sense")
+    (one,) = _of_keys([DRIVING, DRIVEN], [even, turning])
+    assert one.why.startswith("the torque of the driven shaft changes its sense")
+    assert not list(_of_keys([DRIVING, DRIVEN], [even, None]))
 
 
 def test_a_motor_that_does_not_do_is_told_with_values_that_do() -> None:

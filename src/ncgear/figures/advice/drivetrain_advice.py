@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from math import degrees
 from typing import TYPE_CHECKING
 
+from ncgear.design.words import listed
 from ncgear.drivetrain.bearings import MOST_OF_RATING
 from ncgear.drivetrain.shafts import LEAST_SAFETY
 from ncgear.errors import NoSuchMechanism
@@ -35,6 +36,7 @@ def around(drive: Drive) -> Iterator[Advice | NotJudged]:
             yield from _of_bearings(named, shaft, found.wanted.hours)
             yield from _of_shaft(named, shaft)
             yield from _of_jam(named, shaft)
+    yield from _of_keys(drive.design.shafts, found.shafts)
     yield from _of_crank(drive)
     if found.pto:
         yield from _of_pto(found.pto, N_M_PER_N_MM * found.demand.torque_range_n_mm[1].value)
@@ -180,10 +182,16 @@ def _of_shaft(shaft: NamedShaft, found: ShaftResult) -> Iterator[Advice]:
                 else _thicker(shaft, found.enough_mm),
             )
     yield from _crushed(shaft, found.key)
-    if found.key is not None and found.key.both_senses:
-        yield _advice(
-            f"the torque of the {shaft.words} changes its sense, for which the pressure on its key is no proof",
-            "the gear needs a fit without play",
+
+
+def _of_keys(named: Sequence[NamedShaft], found: Sequence[ShaftResult | None]) -> Iterator[NotJudged]:
+    """The keys that work in their ways, of which the pressure tells too little, be it ever so low."""
+    both = zip(named, found, strict=True)
+    turned = [one.words for one, shaft in both if shaft and shaft.key and shaft.key.both_senses]
+    if turned:
+        yield NotJudged(
+            f"the torque of the {listed(turned, 'and')} changes its sense, for which the pressure on a key is no "
+            "proof: gears need a fit without play"
         )
 
 
