@@ -70,50 +70,6 @@ def test_a_motor_of_the_simulation_is_told_by_its_changed_keys(monkeypatch: pyte
     assert lines[1].line.no_load_rad_s == pytest.approx(80.12 * pi / 30.0)
 
 
-@pytest.mark.parametrize(("own", "peak"), [(True, None), (True, 20.0), (True, 90.0), (False, None)])
-def test_a_motor_behind_its_gearbox_is_told_by_its_ratio_or_by_the_line(
-    own: bool, peak: float | None, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A rated slip of 1/30 at 1450 r/min; the root of the mean square asks for 30 N m of the driving gear's 600."""
-
-    class Given(SimpleNamespace):
-        def model_copy(self, update: dict[str, Any]) -> Given:
-            return Given(**vars(self) | update)
-
-    given = Given(
-        no_load_speed_rpm=1500.0 if own else None,
-        rated_speed_rpm=1450.0,
-        rated_torque_n_m=5.0,
-        peak_torque_n_m=peak,
-        inertia_kg_mm2=100.0,
-        gearbox=Given(ratio=20.0, efficiency=0.9),
-    )
-    design: Any = Given(simulation=Given(motor=Given(no_load_speed_rpm=1.0, stall_torque_n_m=1.0)))
-    demand: Any = Made(cycle=None, losses=None)
-    ran: list[Any] = []
-
-    def motor_of(changed: Any, motor: Any, asked: Any) -> Any:
-        ran.append((changed, motor, asked))
-        return Made(course=Made(mean_rad_s=6.0), rms_n_m=25.0, most_n_m=40.0)
-
-    monkeypatch.setattr(motor, "motor_of", motor_of)
-    monkeypatch.setattr(motor, "Demand", lambda cycle, losses, rotor: Made(rotor=rotor))
-    monkeypatch.setattr(motor, "_fitting", lambda demand, least, tried: tried(62.5, 333.3))
-    found: Any = Made(given=given, demand=demand, load=Made(rms_n_mm=24_000.0))
-    told, runs = motor.fitting_geared(design, found)
-    assert runs == 6.0
-    ratio = 24.0 if own else 20.0
-    # 24 N m at the old ratio; stiffened by a hundredth beyond the 25 of the course.
-    first, last = ran
-    assert first[1].rated_torque_n_m == pytest.approx(20.0 if own else 24.0)
-    assert first[2].rotor == pytest.approx(100.0 * ratio**2)
-    assert last[1].rated_torque_n_m == told["drivetrain.motor.rated_torque_n_m"] == pytest.approx(25.3)
-    assert (told.get("drivetrain.motor.gearbox.ratio"), last[1].gearbox.ratio) == (24.0 if own else None, ratio)
-    assert told.get("drivetrain.motor.peak_torque_n_m") == (40.0 if peak == 20.0 else None)
-    line = {key: told.get(f"simulation.motor.{key}") for key in ("no_load_speed_rpm", "stall_torque_n_m")}
-    assert list(line.values()) == ([None, None] if own else [62.5, 334.0])
-
-
 @pytest.mark.parametrize(("least", "found"), [(21.3, 22.0), (38.0, 38.0), (39.5, None), (9.0, 10.0)])
 def test_herringbones_are_as_narrow_as_holds(
     least: float, found: float | None, monkeypatch: pytest.MonkeyPatch
