@@ -91,6 +91,7 @@ def negative_resistance(drive: Drive, returning: bool) -> Advice | None:
     ends = [[to_digits(place.factor * end, 3) for end in stretch] for stretch in stretches]
     named = ", ".join(f"{low}..{high}" for low, high in ends)
     kept, rule = resistance.keep_negative, f"{key}.where_negative"
+    drives = f", where it drives the {drive.linkage.OUTPUT.name}" if kept else ""
     other = "take it as zero there" if kept else "count it, where the load really pulls the slider"
     remedies = (
         Remedy("give a resistance that is nowhere under zero, as a table or a formula"),
@@ -99,7 +100,7 @@ def negative_resistance(drive: Drive, returning: bool) -> Advice | None:
     return Advice(
         Kind.NEGATIVE_RESISTANCE,
         f"the resistance{way} is negative in places and {'kept' if kept else 'taken as zero there'}",
-        f"for displacements of {named} {place.text}{', where it drives the slider' if kept else ''}",
+        f"for displacements of {named} {place.text}{drives}",
         () if is_given(drive.design, rule) else remedies,
         matters=not is_given(drive.design, rule),
     )

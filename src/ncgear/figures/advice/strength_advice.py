@@ -65,8 +65,7 @@ def strength(drive: Drive) -> Advice | NotJudged | None:
         f"{first.wanted:g} wanted",
         f"under {load} tooth {first.tooth} of the {first.gear.value} gear has {to_digits(first.stress_mpa, 3)} MPa at "
         f"phi1 = {placed(at)} deg and endures {to_digits(first.endured_mpa, 3)} MPa{also}: "
-        f"{'teeth break' if first.damage is Damage.BENDING else 'flanks pit'} before the wanted life ends; "
-        "ncgear strength computes what would do",
+        f"{'teeth break' if first.damage is Damage.BENDING else 'flanks pit'} before the wanted life ends",
         (
             # Shafts tell what crowned flanks help
             *((CROWNED,) if drive.face_loading.basis == "computed" else ()),
