@@ -73,6 +73,7 @@ class RemedySearch(StrEnum):
 
     FINER = "more, smaller teeth"
     FLATTER = "a smaller helix angle"
+    CLOSER = "less backlash"
     CROWNED = "crowned flanks"
     WIDER = "a wider face"
     LARGER = "a larger module"
