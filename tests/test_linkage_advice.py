@@ -179,7 +179,7 @@ def test_a_guide_that_jams_only_at_the_start_is_told(
 def test_a_length_that_is_told_lets_the_guide_go(name: str) -> None:
     found = transmission_angle(rubbing(0.2, 0.0, 0.0))
     assert found is not None
-    told = dict(re.findall(r"linkage\.(\w+): ([\d.]+)", " ".join(one.short for one in found.remedies)))
+    told = dict(re.findall(r"linkage\.(\w+): ([\d.]+)", " ".join(one.text for one in found.remedies)))
     assert transmission_angle(rubbing(0.2, 0.0, 0.0, **{name: float(told[name])})) is None
     # It is near: between it and its own the warning comes back
     own = {"rod_mm": 100.0, "crank_mm": 60.0, "offset_mm": 39.0}[name]

@@ -234,7 +234,7 @@ def _beside_own_shaft(drive: Drive, part: str, radius_mm: float, pin_mm: float) 
 def _below(drive: Drive, words: str) -> Remedy:
     """A driving shaft that ends below what moves; only words where the file says that it goes through."""
     change = Change("fit.driving_shaft", "ends")
-    return Remedy(words, () if is_given(drive.design, change.key) else (change,), short=str(change))
+    return Remedy(words, () if is_given(drive.design, change.key) else (change,))
 
 
 def rods(drive: Drive) -> list[Advice | NotJudged]:
@@ -360,8 +360,7 @@ def optimised(drive: Drive, **limits: float | bool) -> tuple[Remedy, ...]:
     if not all(_as_tight(key, value, limits[key]) for key, value in given.items()) or not drive.linkage.RETURNS:
         return ()
     changes = changed({f"optimize.limits.{key}": value for key, value in limits.items() if key not in given})
-    words = "let the best law within this limit be found" if changes else "let the best law within its limits be found"
-    return (Remedy(words, changes, OPTIMIZE, short=OPTIMIZE),)
+    return (Remedy("let the best law within this limit be found" if changes else OPTIMIZE, changes, OPTIMIZE),)
 
 
 def _as_tight(key: str, given: float | bool | None, wanted: float | bool) -> bool:

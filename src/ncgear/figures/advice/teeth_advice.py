@@ -234,7 +234,7 @@ def thrust(drive: Drive) -> Advice | None:
     )
 
 
-SPREAD = Remedy("smaller bends, or bends to both sides, spread the row", short="smaller bends, or bends to both sides")
+SPREAD = Remedy("smaller bends, or bends to both sides, spread the row")
 
 
 def room(drive: Drive) -> list[Advice]:
@@ -247,10 +247,7 @@ def room(drive: Drive) -> list[Advice]:
 
 NEARLY_ALL = 0.995
 
-OTHER_WAYS = Remedy(
-    "take finer tolerances or larger teeth: so much backlash would leave no teeth",
-    short="finer tolerances or larger teeth",
-)
+OTHER_WAYS = Remedy("take finer tolerances or larger teeth: so much backlash would leave no teeth")
 
 
 def jams(drive: Drive) -> Advice | NotJudged | None:

@@ -24,9 +24,9 @@ from ncgear.project.strengthening import (
     wide_enough,
 )
 
-FINER = Remedy("try more teeth of a smaller module", short="try more, smaller teeth", search=RemedySearch.FINER)
+FINER = Remedy("try more teeth of a smaller module", search=RemedySearch.FINER)
 
-FLATTER = Remedy("try a smaller helix angle", short="try a smaller helix angle", search=RemedySearch.FLATTER)
+FLATTER = Remedy("try a smaller helix angle", search=RemedySearch.FLATTER)
 
 CLOSER = Remedy("try less backlash", search=RemedySearch.CLOSER)
 
