@@ -148,9 +148,9 @@ def bodies(drive: Drive) -> Advice | None:
     return None
 
 
-ASK_BUILD = Remedy("ncgear build says what would help")
+ASK_BUILD = Remedy("ncgear build")
 
-FIT = Remedy("ncgear fit finds the nearest pitch curve whose gears can be made")
+FIT = Remedy("ncgear fit")
 
 
 def _nearest(drive: Drive) -> tuple[Remedy, ...]:
@@ -183,7 +183,7 @@ def missed_wishes(drive: Drive) -> Advice | None:
         Kind.MISSED_WISH,
         f"{count} missed: {', '.join([*shortly, *more])}",
         f"the {drive.linkage.OUTPUT.name} moves otherwise than is wished: {named}",
-        (Remedy("ncgear optimize looks for a law that keeps every hard wish"),),
+        (Remedy("ncgear optimize"),),
     )
 
 

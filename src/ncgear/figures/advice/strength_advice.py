@@ -169,7 +169,7 @@ def _rough_remedies(drive: Drive, found: RoughStrength) -> tuple[Remedy, ...]:
     sizes = tuple(replace(one, search=None) for one in _sizes(drive, wider, larger))
     if not found.unjudged:
         return sizes
-    return tuple(one for one in sizes if SIZE not in one.text) or (TOGETHER,)
+    return tuple(one for one in sizes if one.text != SIZE) or (TOGETHER,)
 
 
 CROWNED = Remedy("crown the flanks along the width", search=RemedySearch.CROWNED)
@@ -191,11 +191,9 @@ def _sizes(drive: Drive, wider: float, larger: float) -> tuple[Remedy, ...]:
         )
     found = [_together(drive)]
     if module <= SERIES_I_MM[-1]:
-        words = f"take a module of roughly {shown_above(module, 2)} mm with as many teeth"
-        found.insert(0, Remedy(words, search=RemedySearch.LARGER))
+        found.insert(0, Remedy(f"module roughly {shown_above(module, 2)} mm", search=RemedySearch.LARGER))
     if width <= WIDEST_MODULES * size.module_mm:
-        words = f"make the gears roughly {shown_above(width, 2)} mm wide"
-        found.insert(0, Remedy(words, search=RemedySearch.WIDER))
+        found.insert(0, Remedy(f"face width roughly {shown_above(width, 2)} mm", search=RemedySearch.WIDER))
     return tuple(found)
 
 
@@ -219,9 +217,7 @@ CUT = "other changes may do, too: trials end after {seconds:g} s of processor ti
 
 def _together(drive: Drive) -> Remedy:
     """Several sizes at once; they are not searched for where two pairs of gears share them."""
-    if drive.stage is None:
-        return Remedy(f"{SIZE} finds module, teeth and face width together")
-    return Remedy("change material, module and face width together; all stages share them")
+    return Remedy(SIZE if drive.stage is None else "material, module and face width together, of all stages")
 
 
 LOADS_UNKNOWN = "the loads of the teeth are not followed"
