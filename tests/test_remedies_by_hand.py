@@ -10,64 +10,12 @@ import numpy as np
 import pytest
 
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.numerics.extrema import Extremum
-from ncgear.project import compared, face_load, finer, motor, outline_fit, sizing, vibration
+from ncgear.project import compared, face_load, finer, outline_fit, sizing, vibration
 from ncgear.project.compared import ComparedPair
 
 pytestmark = pytest.mark.judges("project")
 
 Made: Any = SimpleNamespace
-
-DEMAND: Any = Made(
-    torque_range_n_mm=(Extremum(-1e4, 0.0), Extremum(50_000.0, 1.0)),
-    fluctuation=Made(mean_torque_n_mm=20_000.0),
-    speed_rad_s=2.0 * pi,
-)
-"""A machine of 60 r/min that asks for 20 N m in the mean, and for 50 at most."""
-
-
-def test_motors_are_tried_from_the_torque_that_is_given_to_four_times_the_greatest() -> None:
-    """A line gives 20 of t N m at n (1 - 20/t); this machine then runs 2 % slower than that, which is corrected."""
-    asked: list[tuple[float, float]] = []
-
-    def tried(rpm: float, torque: float) -> Any:
-        asked.append((rpm, torque))
-        runs = 0.95 * rpm * (1.0 - 20.0 / torque) * pi / 30.0
-        return {"rpm": rpm}, None if torque < 150.0 else runs
-
-    found = motor._fitting(DEMAND, 30.0, tried)
-    assert asked[0] == pytest.approx((60.0 / (1.0 - 20.0 / 30.0), 30.0))
-    assert asked[1] == pytest.approx((60.0 / (1.0 - 20.0 / 100.0), 100.0))
-    assert asked[2] == pytest.approx((60.0 / (1.0 - 20.0 / 200.0), 200.0))
-    assert asked[3] == pytest.approx((60.0 / 0.95 / (1.0 - 20.0 / 200.0), 200.0))
-    assert len(asked) == 4
-    assert found == {"rpm": asked[3][0]}
-    # A torque below the mean is not tried, and one above all others is tried alone.
-    asked.clear()
-    assert motor._fitting(DEMAND, 10.0, lambda *given: ({}, asked.append(given))) is None
-    assert [torque for _, torque in asked] == [100.0, 200.0]
-
-
-def test_a_motor_of_the_simulation_is_told_by_its_changed_keys(monkeypatch: pytest.MonkeyPatch) -> None:
-    given = Made(no_load_speed_rpm=75.0, stall_torque_n_m=40.0)
-    drive: Any = Made(design=Made(simulation=Made(motor=given)))
-    lines: list[Any] = []
-
-    def fitting(demand: Any, own: float, tried: Any) -> Any:
-        assert (demand, own) == (DEMAND, 40.0)
-        assert tried(75.0, 40.0) == ({}, 6.0)
-        return tried(80.123456, 123.456)
-
-    monkeypatch.setattr(motor, "_asked", lambda drive: (DEMAND, None))
-    monkeypatch.setattr(motor, "_runs_rad_s", lambda drive, demand, line: lines.append(line) or 6.0)
-    monkeypatch.setattr(motor, "_fitting", fitting)
-    told, runs = motor.fitting_simulated(drive)
-    assert (told, runs) == (
-        {"simulation.motor.no_load_speed_rpm": 80.12, "simulation.motor.stall_torque_n_m": 124.0},
-        6.0,
-    )
-    assert lines[1].line.stall_n_mm == pytest.approx(124_000.0)
-    assert lines[1].line.no_load_rad_s == pytest.approx(80.12 * pi / 30.0)
 
 
 @pytest.mark.parametrize(("least", "found"), [(21.3, 22.0), (38.0, 38.0), (39.5, None), (9.0, 10.0)])

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from math import cos, pi, radians
+from math import cos, inf, pi, radians
 
 from ncgear.design.keys.base import listed
 from ncgear.design.keys.design import Design
@@ -174,13 +174,12 @@ def steady_rad_s(drive: Geared) -> float | None:
 Told = dict[str, float]
 """Dotted keys of the design file with values, as they are written."""
 
-TRIES = 3
-"""Number of no-load speeds that are tried with each torque.  The first follows from the machine's mean torque; each
-next speed is corrected by the error of the speed before."""
+STEPS = 12
+"""Motors that are tried one after the other: a motor whose line rises with its rated torque bears more with each."""
 
-STRONGER = (2.0, 4.0)
-"""Torques at rest that are tried if the given torque is not enough, as multiples of the machine's greatest torque: with
-less, motors lose half of their speed and more."""
+STRONGER = 2.0
+"""Torque at rest of a motor in place of one that stops, as a multiple of that, or of the machine's greatest torque:
+with less, motors lose half of their speed and more."""
 
 STIFFENED = 1.01
 """Factor on the r.m.s.  torque for which a stronger motor is rated: with a higher rating it holds its speed better."""
@@ -199,40 +198,42 @@ def told_words(found: Told | None) -> str:
     return listed((f"{key}: {value:.6g}" for key, value in found.items()), "and")
 
 
+BARE = DrivetrainMotor.model_construct(rated_torque_n_m=inf, rated_speed_rpm=inf)
+"""A motor of which nothing but the simulation's line at the driving gear counts."""
+
+
 def fitting_simulated(drive: Geared) -> Told | None:
-    """Keys of a motor for the simulation that turns the machine at its own speed.
+    """Keys of a motor for the simulation that turns the machine at its own speed, from its start on.
 
     Only changed keys are told; the torque stays if it is enough.  None where no tried motor works.
     """
-    asked, given = _asked(drive), drive.design.simulation.motor
-    if asked is None or given is None:
+    if (asked := _asked(drive)) is None:
         return None
     demand = asked[0]
 
-    def tried(rpm: float, torque_n_m: float) -> tuple[Told, float | None]:
-        torque_n_m = torque_n_m if torque_n_m == given.stall_torque_n_m else float(shown_above(torque_n_m, 3))
-        told = {"no_load_speed_rpm": float(f"{rpm:.4g}"), "stall_torque_n_m": torque_n_m}
-        line = StraightLine(torque_n_m / N_M_PER_N_MM, told["no_load_speed_rpm"] * RAD_S_PER_RPM)
-        changed = {key: value for key, value in told.items() if value != getattr(given, key)}
-        return _under("simulation.motor", changed), _runs_rad_s(drive, demand, LineDrive(line, Gearbox()))
+    def starts(design: Design) -> bool:
+        line = _line_drive(design, BARE)
+        return line is not None and _stops(drive, demand, line) is None
 
-    return _fitting(demand, given.stall_torque_n_m, tried)
-
-
-STEPS = 12
-"""Motors that are tried one after the other: a motor whose line rises with its rated torque bears more with each."""
+    return _fitting(drive.design, [motor_of(drive.design, BARE, demand)], starts)
 
 
 def fitting_geared(design: Design, found: Sequence[MotorResult]) -> Told | None:
-    """As ``fitting_simulated``, for a motor behind its gearbox: torques and ratio, or the simulation's line, that work.
+    """The same for a motor behind its gearbox: torques and ratio, or the simulation's line.
 
     ``found`` is the motor that does not work, with the least and the most friction between the teeth, or as it is.
     """
+    return _fitting(design, found, lambda _: True)
+
+
+def _fitting(design: Design, found: Sequence[MotorResult], starts: Callable[[Design], bool]) -> Told | None:
     motor, line, runs = found[0].given, design.simulation.motor, tuple(found)
-    given = _keys(motor, line)
+    given, changed = _keys(motor, line), design
     with suppress(TimeIsOver), at_most(MOST_SECONDS):
         for _ in range(STEPS):
             faults, peak = set().union(*(one.faults for one in runs)), motor.peak_torque_n_m
+            if not faults and not starts(changed):
+                faults = {"stops"}
             if not faults and (peak is None or peak >= motor.rated_torque_n_m):
                 return {key: value for key, value in _keys(motor, line).items() if value != given[key]}
             motor, line = _bettered(motor, line, runs, faults)
@@ -263,7 +264,7 @@ def _bettered(
     faster = 1.0
     if "stops" in faults:
         mean = N_M_PER_N_MM * demand.fluctuation.mean_torque_n_mm
-        rest_n_m = STRONGER[0] * max(rest_n_m, N_M_PER_N_MM * demand.torque_range_n_mm[1].value)
+        rest_n_m = STRONGER * max(rest_n_m, N_M_PER_N_MM * demand.torque_range_n_mm[1].value)
         free_rpm = line.no_load_speed_rpm if line else (motor.no_load_speed_rpm or motor.rated_speed_rpm) / own
         faster = demand.speed_rad_s / RAD_S_PER_RPM / (1.0 - mean / rest_n_m) / free_rpm
     elif "off speed" in faults:
@@ -292,39 +293,6 @@ def _bettered(
 
 def _under(group: str, told: Told) -> Told:
     return {f"{group}.{key}": value for key, value in told.items()}
-
-
-def _fitting(
-    demand: Demand, given_n_m: float | None, tried: Callable[[float, float], tuple[Told, float | None]]
-) -> Told | None:
-    """The first motor that works, among torques at rest in N m and no-load speeds in r/min at the driving gear.
-
-    ``tried`` gives the keys to tell, and the mean speed in rad/s with them; None where the motor stops.
-    """
-    own = () if given_n_m is None else (given_n_m,)
-    least = max(N_M_PER_N_MM * demand.torque_range_n_mm[1].value, *own, 0.0)
-    mean, wanted = N_M_PER_N_MM * demand.fluctuation.mean_torque_n_mm, demand.speed_rad_s / RAD_S_PER_RPM
-    with suppress(TimeIsOver), at_most(MOST_SECONDS):
-        for torque in (*own, *(times * least for times in STRONGER)):
-            rpm = wanted / (1.0 - mean / torque) if mean < torque else 0.0
-            for _ in range(TRIES if rpm else 0):
-                told, runs = tried(rpm, torque)
-                if runs is None:
-                    break
-                if _is_near(runs, demand):
-                    return told
-                rpm *= demand.speed_rad_s / runs
-    return None
-
-
-def _runs_rad_s(drive: Geared, demand: Demand, motor: LineDrive) -> float | None:
-    """The mean speed at which a motor keeps the machine turning; None where it stops from the start on or later."""
-    try:
-        runs = speed_course(demand, motor).mean_rad_s
-    except NoSuchMechanism:
-        return None
-    # The start takes as long to compute, and matters only where the speed is right
-    return None if _is_near(runs, demand) and _stops(drive, demand, motor) else runs
 
 
 def _is_near(runs_rad_s: float, demand: Demand) -> bool:
