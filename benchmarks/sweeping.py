@@ -36,7 +36,7 @@ from ncgear.files.parts import Parts, table_bytes
 from ncgear.files.sweep_run import ROWS, Order, _deeper_bytes, _screened_bytes, plan_of, screening_of, swept
 from ncgear.numerics.arrays import Array
 from ncgear.screening import designs as designs_module
-from ncgear.screening.deeper import deepened
+from ncgear.screening.deeper import deepened, deeper_names
 from ncgear.screening.designs import Block, Screening, screened_part
 from ncgear.screening.overview import no_overview
 from ncgear.screening.rows import figure_names
@@ -108,19 +108,21 @@ def costs(folder: Path) -> dict[str, float]:
     parts.add(0, content)
     wanted = Wanted((), LEAST)
     overview = no_overview(screening.space, wanted).with_part(designs)
-    followed = designs.at(slice(4))
-    deeper = table_bytes(deepened(BALER.data, 1, "teeth", followed), parts.digest, 0)
+    followed, names = designs.at(slice(4)), deeper_names(BALER.design, "teeth")
+    deeper = table_bytes(deepened(BALER.data, names, "teeth", followed), parts.digest, 0)
     return {
         "task": len(pickle.dumps((partial(_screened_bytes, screening, parts.digest), (100, values)))),
         "result": len(content),
-        "deep_task": len(pickle.dumps((partial(_deeper_bytes, BALER.data, 1, "teeth", parts.digest), (7, followed)))),
+        "deep_task": len(
+            pickle.dumps((partial(_deeper_bytes, BALER.data, names, "teeth", parts.digest), (7, followed)))
+        ),
         "deep_result": len(deeper),
         "values": best_ms(partial(screening.values, 100)),
         "figures": best_ms(partial(screened_part, screening, 100, values), 2),
         "bytes": best_ms(partial(table_bytes, designs, parts.digest, 0)),
         "write": best_ms(partial(parts.add, 0, content)),
         "gather": best_ms(lambda: overview.with_part(parts.designs(0))),
-        "deep": best_ms(partial(deepened, BALER.data, 1, "teeth", followed), 2),
+        "deep": best_ms(partial(deepened, BALER.data, names, "teeth", followed), 2),
     }
 
 

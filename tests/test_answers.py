@@ -24,6 +24,7 @@ from ncgear.figures.answers.answer import (
     answer_text,
     difference,
     faults_of,
+    told_once,
 )
 from ncgear.figures.answers.machine import build_answer, check_answer, head_of
 from ncgear.figures.data_sheet.sheet import data_sheet
@@ -201,6 +202,11 @@ def test_the_most_serious_comes_first_and_remarks_are_left_out() -> None:
     ]
     verdict = together(Verdict((row,)) for row in rows)
     assert [fault.what for fault in faults_of(verdict)] == ["stage 2: strength", "ring"]
+
+
+def test_a_remedy_that_helps_several_faults_is_told_once() -> None:
+    faults = [Fault("a", ("wide", "hard")), Fault("b", ("wide", "large")), Fault("c", ("hard",))]
+    assert [one.cures for one in told_once(faults)] == [("wide", "hard"), ("large",), ()]
 
 
 @pytest.mark.slow

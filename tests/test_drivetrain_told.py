@@ -8,9 +8,10 @@ from typing import Any
 
 import pytest
 
-from ncgear.figures.advice.drivetrain_advice import _of_bearings, _of_jam, _of_motor, _of_pto, _of_shaft
+from ncgear.figures.advice.drivetrain_advice import _of_bearings, _of_jam, _of_keys, _of_motor, _of_pto, _of_shaft
 from ncgear.figures.drivetrain import drivetrain_figures
 from ncgear.numerics.extrema import Extremum
+from ncgear.project.motor import MotorResult
 
 pytestmark = pytest.mark.judges("figures")
 
@@ -53,6 +54,7 @@ def motor(**changes: Any) -> Any:
     load |= {"most_n_mm": Extremum(6e4, 2.0), "least_n_mm": Extremum(-2e4, 1.0), "braking_n_mm": -5e3}
     given = {"rated_torque_n_m": 25.0, "rated_speed_rpm": 1450.0, "peak_torque_n_m": 90.0, "gearbox": Made(ratio=20.0)}
     values = {"given": Made(**given), "demand": DEMAND, "load": Made(**load, braking_share=0.25), "stops": ""}
+    values |= {"faults": set()}
     return Made(**values | {"course": None, "rms_n_m": 24.0, "most_n_m": 60.0} | changes)
 
 
@@ -184,12 +186,11 @@ def test_parts_that_do_not_hold_are_told_with_values_that_do() -> None:
 
     weak = shaft()
     weak.shaft.fatigue, weak.key.safety, weak.key.both_senses = 1.1, 0.5, True
-    bent, pressed, played = told(_of_shaft(DRIVEN, weak))
+    bent, pressed = told(_of_shaft(DRIVEN, weak))
     assert "1.1 against fatigue" in bent
     assert "diameter_mm: 36" in bent
     assert "50 MPa, and 25 MPa are allowed" in pressed
     assert "length_mm: 40" in pressed
-    assert "without play" in played
 
     weak.key.safety = 0.8
     weak.jammed = Made(static_n=(9e3, 1e3), static_safety=(0.5, 3.0), yielding=1.2 / 8.0)
@@ -205,20 +206,31 @@ def test_parts_that_do_not_hold_are_told_with_values_that_do() -> None:
     assert diameter == pytest.approx(60.0 * (LEAST_SAFETY / 1.2) ** (1.0 / 3.0), rel=1e-3)
 
 
-def test_a_motor_that_does_not_do_is_told_with_values_that_do() -> None:
-    hot = motor(rms_n_m=27.0)
-    (row,) = told(_of_motor(Made(), hot, hot))
-    assert "27 N m, more than its rated 25 N m" in row
-    assert "rated_torque_n_m: 30" in row
-    weak = motor(most_n_m=95.0)
-    (row,) = told(_of_motor(Made(), weak, weak))
-    assert "peak_torque_n_m: 95" in row
-    fast = motor()
-    fast.load.speed_rad_s = 30.0 * SPEED
-    (row,) = told(_of_motor(Made(), fast, fast))
-    assert "turns at 1800 r/min, faster than the 1450 r/min" in row
-    assert "ratio: 16.11" in row
-    slow = motor(course=Made(mean_rad_s=0.9 * SPEED))
-    (row,) = told(_of_motor(Made(), slow, slow))
-    assert "runs at 54 r/min, not at operation.speed_rpm: 60" in row
-    assert "ratio: 18" in row
+def test_keys_whose_torque_changes_its_sense_are_not_judged_once_for_all_shafts() -> None:
+    """Their safety is kept, so that nothing is broken; a shaft whose torque keeps its sense is not named."""
+    turning, even = shaft(), shaft()
+    turning.key.both_senses = True
+    (both,) = _of_keys([DRIVING, DRIVEN], [turning, turning])
+    assert both.why.startswith("the torque of the driving shaft and driven shaft changes its sense")
+    (one,) = _of_keys([DRIVING, DRIVEN], [even, turning])
+    assert one.why.startswith("the torque of the driven shaft changes its sense")
+    assert not list(_of_keys([DRIVING, DRIVEN], [even, None]))
+
+
+def test_a_motor_that_does_not_do_is_told_with_one_that_does_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("ncgear.project.motor.fitting_geared", lambda design, found: {"drivetrain.motor.x": 3.0})
+
+    def rows(turns_rpm: float = 1200.0, **changes: Any) -> list[Any]:
+        made = motor(turns_rpm=turns_rpm, **changes)
+        faults: Any = MotorResult.faults
+        made.faults = faults.fget(made)
+        return list(_of_motor(Made(design=None), made, made))
+
+    assert not rows()
+    both = rows(rms_n_m=27.0, most_n_m=95.0)
+    assert [one.what.partition(", more")[2] for one in both] == [" than its rated 25 N m", " than its 90 N m"]
+    assert [[remedy.text for remedy in one.remedies] for one in both] == [["drivetrain.motor.x: 3"], []]
+    (fast,) = rows(turns_rpm=1800.0)
+    assert "turns at 1800 r/min, faster than the 1450 r/min" in fast.what
+    (slow,) = rows(course=Made(mean_rad_s=0.9 * SPEED))
+    assert "runs at 54 r/min, not at operation.speed_rpm: 60" in slow.what

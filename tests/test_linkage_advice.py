@@ -6,13 +6,13 @@ Each judge computes the angle from lengths and sampled crank angles; the limit i
 from __future__ import annotations
 
 import re
-from math import asin, degrees, pi, radians
+from math import acos, asin, degrees, pi, radians
 
 import numpy as np
 import pytest
 
 from at_once import at_once
-from drives import design_of, drive
+from drives import DESIGNS, design_of, drive, drive_of_text
 from ncgear.errors import NoSuchMechanism
 from ncgear.figures.advice.machine_advice import FLATTEST_DEG, FRICTION, transmission_angle
 from ncgear.figures.numbers import to_digits
@@ -179,7 +179,7 @@ def test_a_guide_that_jams_only_at_the_start_is_told(
 def test_a_length_that_is_told_lets_the_guide_go(name: str) -> None:
     found = transmission_angle(rubbing(0.2, 0.0, 0.0))
     assert found is not None
-    told = dict(re.findall(r"linkage\.(\w+): ([\d.]+)", " ".join(one.short for one in found.remedies)))
+    told = dict(re.findall(r"linkage\.(\w+): ([\d.]+)", " ".join(one.text for one in found.remedies)))
     assert transmission_angle(rubbing(0.2, 0.0, 0.0, **{name: float(told[name])})) is None
     # It is near: between it and its own the warning comes back
     own = {"rod_mm": 100.0, "crank_mm": 60.0, "offset_mm": 39.0}[name]
@@ -191,3 +191,18 @@ def test_a_smooth_guide_that_is_given_is_believed() -> None:
     """At 8 deg a friction of 0.25 locks, of which nothing is said where the file gives 0.1."""
     assert transmission_angle(rubbing(0.0)) is not None
     assert transmission_angle(rubbing(0.1)) is None
+
+
+@pytest.mark.parametrize(("rod_mm", "speed"), [(60.01, 110), (62.0, 110), (60.01, 118)])
+def test_a_law_that_is_refused_beside_a_linkage_that_nearly_locks_names_the_linkage(rod_mm: float, speed: int) -> None:
+    """The angle by its own formula, cos b = crank / rod at right angles; a speed that no rod suits names none."""
+    text = (DESIGNS / "pusher.yaml").read_text(encoding="utf-8")
+    text = text.replace("rod_mm: 220", f"rod_mm: {rod_mm}").replace("v2_mm_s: 110", f"v2_mm_s: {speed}")
+    with pytest.raises(NoSuchMechanism) as refused:
+        _ = drive_of_text(text).law
+    said = (
+        f"nearly locks at the crank angle of 90 deg, where its transmission angle is {degrees(acos(60 / rod_mm)):.3g}"
+    )
+    assert (said in refused.value.problem) == (speed == 110)
+    if speed == 110:
+        _ = drive_of_text(text.replace(f"rod_mm: {rod_mm}", "rod_mm: 75")).law

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from commands import Run, on_text
 from drives import drive_of_text
 from ncgear.dynamics import motion_in_time
-from ncgear.errors import NoSuchMechanism
+from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.advice.values import Kind
 from ncgear.figures.advice.verdict import KnownParts, State, judged
 from ncgear.project.drive import Drive
@@ -152,6 +152,50 @@ def test_friction_between_teeth_may_relieve_a_motor_and_both_ends_are_told() -> 
     assert motor_row(drive_of_text(text.replace("0.2,", f"{enough},")))[0] is State.KEPT
     between = text.replace("rated_torque_n_m: 0.2", f"rated_torque_n_m: {exact.rms_n_m}")
     assert motor_row(drive_of_text(between))[0] is State.NOT_JUDGED
+
+
+OWN = "no_load_speed_rpm: 1500, peak_torque_n_m: 0.2, "
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        geared(0.2, OWN).replace("ratio: 24", "ratio: 30"),
+        pytest.param(geared(0.2, OWN), marks=pytest.mark.slow),
+        pytest.param(geared(0.02, OWN), marks=pytest.mark.slow, id="stops"),
+        pytest.param(
+            geared(2.0, "peak_torque_n_m: 2, ") + "simulation: {motor: {no_load_speed_rpm: 70, stall_torque_n_m: 3}}\n",
+            marks=pytest.mark.slow,
+            id="line at the driving gear",
+        ),
+    ],
+)
+def test_the_motor_that_is_offered_holds_when_it_is_entered(text: str) -> None:
+    """A stiffer motor takes more torque in its peaks than the motor that is judged.
+
+    Control: all values but one of the told ones leave the motor as broken as it was.
+    """
+    state, said = motor_row(drive_of_text(text))
+    assert state is State.BROKEN
+    told = {
+        **told_keys(said, "drivetrain.motor."),
+        **told_keys(said, "simulation.motor."),
+    }
+
+    def entered(keys: list[str]) -> State:
+        changed = text
+        for key in keys:
+            name = key.rpartition(".")[2]
+            changed, count = re.subn(rf"\b{name}: [\d.]+", f"{name}: {told[key]}", changed)
+            assert count == 1
+        try:
+            return motor_row(drive_of_text(changed))[0]
+        except WrongInput:  # a peak under the rated torque
+            return State.BROKEN
+
+    assert entered(list(told)) is State.KEPT
+    for left_out in told:
+        assert entered([key for key in told if key != left_out]) is not State.KEPT
 
 
 @pytest.mark.slow

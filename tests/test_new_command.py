@@ -126,7 +126,7 @@ def test_a_terminal_is_asked_and_told_what_is_wrong(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_machine_is_asked_for_its_stroke_its_speed_and_wishes(tmp_path: Path) -> None:
-    answers = ["press-feeder", "200", "", "dwell: {at: extended, within_mm: 1, for_deg: 15}", "none"]
+    answers = ["press-feeder", "200", "", "1.5", "dwell: {at: extended, within_mm: 1, for_deg: 15}", "none"]
     status, shown = at_terminal(["new", "mine"], [f"{answer}\n" for answer in answers], tmp_path)
     assert (status, shown.splitlines()[-1]) == (0, "mine.yaml")
     assert "stroke of the slider in mm [150]" in shown
@@ -400,7 +400,8 @@ def test_nothing_is_no_answer(answer: str) -> None:
 
 @pytest.mark.thorough
 def test_the_templates_own_answers_have_no_fault() -> None:
-    assert [fault_of(answer, value) for answer, value in usual_answers(MachineName.BALER).items()] == [None] * len(ANSWERS)
+    usual = usual_answers(MachineName.BALER)
+    assert [fault_of(answer, value) for answer, value in usual.items()] == [None] * len(ANSWERS)
 
 
 SIZES = (

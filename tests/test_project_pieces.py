@@ -16,7 +16,6 @@ from drives import drive_of_text
 from ncgear.drivetrain.speed import LineDrive
 from ncgear.dynamics.motion_in_time import EvenDrive, Motor
 from ncgear.errors import WrongInput
-from ncgear.numerics.extrema import Extremum
 from ncgear.optimum.outline.rolled import Rolled, SplineBasis
 from ncgear.pitch.shape import Gear
 from ncgear.project import drivetrain, gear_solids, strengthening
@@ -25,7 +24,7 @@ from ncgear.project.best_law import BestLaw
 from ncgear.project.compared import JAM_RAD, ComparedPair
 from ncgear.project.forces import drive_line_of
 from ncgear.project.gear_solids import rim_mm_of
-from ncgear.project.motor import _fitting, _line_drive
+from ncgear.project.motor import _line_drive
 from ncgear.project.moving import disc_kg_mm2
 from ncgear.project.outline_trial import control_points
 from ncgear.teeth.tips import Limit
@@ -68,24 +67,6 @@ def test_the_simulation_s_line_is_at_the_driving_gear_behind_the_gearbox() -> No
     assert drive_line_of(Made(motor=None), driving, 3.0) == EvenDrive(3.0)
     with pytest.raises(WrongInput, match="needs inertia"):
         drive_line_of(Made(motor=simulated), Made(driving_shaft_kg_mm2=0.0), 3.0)
-
-
-def test_the_first_motor_that_runs_near_the_wanted_speed_is_told() -> None:
-    """Behind 30 N m a motor of 60 N m at rest runs at half its speed without load, one of 150 N m at 4/5."""
-    demand: Any = Made(torque_range_n_mm=(Extremum(-1e3, 0.0), Extremum(75e3, 0.0)), speed_rad_s=2.0 * pi,
-                       fluctuation=Made(mean_torque_n_mm=30e3))  # fmt: skip
-    asked = []
-
-    def tried(rpm: float, torque: float) -> tuple[dict[str, float], float | None]:
-        asked.append((rpm, torque))
-        # It runs a tenth more slowly than its line says, so that the next guess has to be faster.
-        return {"rpm": rpm, "torque": torque}, 0.9 * rpm * (1.0 - 30.0 / torque) * pi / 30.0 if torque > 80.0 else None
-
-    found = _fitting(demand, 60.0, tried)
-    assert [torque for _, torque in asked] == [60.0, 150.0, 150.0]
-    assert [rpm for rpm, _ in asked] == pytest.approx([120.0, 75.0, 75.0 / 0.9])
-    assert found == {"rpm": pytest.approx(75.0 / 0.9), "torque": 150.0}
-    assert _fitting(demand, 20.0, lambda rpm, torque: ({}, None)) is None
 
 
 # --- shafts ----------------------------------------------------------------------------------------------------------

@@ -10,108 +10,12 @@ import numpy as np
 import pytest
 
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.numerics.extrema import Extremum
-from ncgear.project import compared, face_load, finer, motor, outline_fit, sizing, vibration
+from ncgear.project import compared, face_load, finer, outline_fit, sizing, vibration
 from ncgear.project.compared import ComparedPair
 
 pytestmark = pytest.mark.judges("project")
 
 Made: Any = SimpleNamespace
-
-DEMAND: Any = Made(
-    torque_range_n_mm=(Extremum(-1e4, 0.0), Extremum(50_000.0, 1.0)),
-    fluctuation=Made(mean_torque_n_mm=20_000.0),
-    speed_rad_s=2.0 * pi,
-)
-"""A machine of 60 r/min that asks for 20 N m in the mean, and for 50 at most."""
-
-
-def test_motors_are_tried_from_the_torque_that_is_given_to_four_times_the_greatest() -> None:
-    """A line gives 20 of t N m at n (1 - 20/t); this machine then runs 2 % slower than that, which is corrected."""
-    asked: list[tuple[float, float]] = []
-
-    def tried(rpm: float, torque: float) -> Any:
-        asked.append((rpm, torque))
-        runs = 0.95 * rpm * (1.0 - 20.0 / torque) * pi / 30.0
-        return {"rpm": rpm}, None if torque < 150.0 else runs
-
-    found = motor._fitting(DEMAND, 30.0, tried)
-    assert asked[0] == pytest.approx((60.0 / (1.0 - 20.0 / 30.0), 30.0))
-    assert asked[1] == pytest.approx((60.0 / (1.0 - 20.0 / 100.0), 100.0))
-    assert asked[2] == pytest.approx((60.0 / (1.0 - 20.0 / 200.0), 200.0))
-    assert asked[3] == pytest.approx((60.0 / 0.95 / (1.0 - 20.0 / 200.0), 200.0))
-    assert len(asked) == 4
-    assert found == {"rpm": asked[3][0]}
-    # A torque below the mean is not tried, and one above all others is tried alone.
-    asked.clear()
-    assert motor._fitting(DEMAND, 10.0, lambda *given: ({}, asked.append(given))) is None
-    assert [torque for _, torque in asked] == [100.0, 200.0]
-
-
-def test_a_motor_of_the_simulation_is_told_by_its_changed_keys(monkeypatch: pytest.MonkeyPatch) -> None:
-    given = Made(no_load_speed_rpm=75.0, stall_torque_n_m=40.0)
-    drive: Any = Made(design=Made(simulation=Made(motor=given)))
-    lines: list[Any] = []
-
-    def fitting(demand: Any, own: float, tried: Any) -> Any:
-        assert (demand, own) == (DEMAND, 40.0)
-        assert tried(75.0, 40.0) == ({}, 6.0)
-        return tried(80.123456, 123.456)
-
-    monkeypatch.setattr(motor, "_asked", lambda drive: (DEMAND, None))
-    monkeypatch.setattr(motor, "_runs_rad_s", lambda drive, demand, line: lines.append(line) or 6.0)
-    monkeypatch.setattr(motor, "_fitting", fitting)
-    told, runs = motor.fitting_simulated(drive)
-    assert (told, runs) == (
-        {"simulation.motor.no_load_speed_rpm": 80.12, "simulation.motor.stall_torque_n_m": 124.0},
-        6.0,
-    )
-    assert lines[1].line.stall_n_mm == pytest.approx(124_000.0)
-    assert lines[1].line.no_load_rad_s == pytest.approx(80.12 * pi / 30.0)
-
-
-@pytest.mark.parametrize(("own", "peak"), [(True, None), (True, 20.0), (True, 90.0), (False, None)])
-def test_a_motor_behind_its_gearbox_is_told_by_its_ratio_or_by_the_line(
-    own: bool, peak: float | None, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A rated slip of 1/30 at 1450 r/min; the root of the mean square asks for 30 N m of the driving gear's 600."""
-
-    class Given(SimpleNamespace):
-        def model_copy(self, update: dict[str, Any]) -> Given:
-            return Given(**vars(self) | update)
-
-    given = Given(
-        no_load_speed_rpm=1500.0 if own else None,
-        rated_speed_rpm=1450.0,
-        rated_torque_n_m=5.0,
-        peak_torque_n_m=peak,
-        inertia_kg_mm2=100.0,
-        gearbox=Given(ratio=20.0, efficiency=0.9),
-    )
-    design: Any = Given(simulation=Given(motor=Given(no_load_speed_rpm=1.0, stall_torque_n_m=1.0)))
-    demand: Any = Made(cycle=None, losses=None)
-    ran: list[Any] = []
-
-    def motor_of(changed: Any, motor: Any, asked: Any) -> Any:
-        ran.append((changed, motor, asked))
-        return Made(course=Made(mean_rad_s=6.0), rms_n_m=25.0, most_n_m=40.0)
-
-    monkeypatch.setattr(motor, "motor_of", motor_of)
-    monkeypatch.setattr(motor, "Demand", lambda cycle, losses, rotor: Made(rotor=rotor))
-    monkeypatch.setattr(motor, "_fitting", lambda demand, least, tried: tried(62.5, 333.3))
-    found: Any = Made(given=given, demand=demand, load=Made(rms_n_mm=24_000.0))
-    told, runs = motor.fitting_geared(design, found)
-    assert runs == 6.0
-    ratio = 24.0 if own else 20.0
-    # 24 N m at the old ratio; stiffened by a hundredth beyond the 25 of the course.
-    first, last = ran
-    assert first[1].rated_torque_n_m == pytest.approx(20.0 if own else 24.0)
-    assert first[2].rotor == pytest.approx(100.0 * ratio**2)
-    assert last[1].rated_torque_n_m == told["drivetrain.motor.rated_torque_n_m"] == pytest.approx(25.3)
-    assert (told.get("drivetrain.motor.gearbox.ratio"), last[1].gearbox.ratio) == (24.0 if own else None, ratio)
-    assert told.get("drivetrain.motor.peak_torque_n_m") == (40.0 if peak == 20.0 else None)
-    line = {key: told.get(f"simulation.motor.{key}") for key in ("no_load_speed_rpm", "stall_torque_n_m")}
-    assert list(line.values()) == ([None, None] if own else [62.5, 334.0])
 
 
 @pytest.mark.parametrize(("least", "found"), [(21.3, 22.0), (38.0, 38.0), (39.5, None), (9.0, 10.0)])

@@ -398,8 +398,8 @@ def test_a_check_warns_and_makes_no_tooth(run: Run) -> None:
     check = on_text(run, "check", "--verbose")
     _, weak, _ = check(TEXT)
     assert "the teeth will hardly hold: safety about" in weak
-    assert "make the gears roughly" not in weak  # 31 mm would be more than 12 modules
-    assert "take a module of roughly 3.5 mm with as many teeth" in weak
+    assert "face width roughly" not in weak  # 31 mm would be more than 12 modules
+    assert "module roughly 3.5 mm" in weak
     _, strong, _ = check(TEXT.replace("1500", "100"))
     assert "hardly hold" not in strong
     assert "kept        the teeth hold their load" in strong

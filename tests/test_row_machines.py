@@ -25,6 +25,8 @@ from ncgear.errors import NoSuchMechanism, WrongInput, located
 from ncgear.figures.advice.values import Kind
 from ncgear.figures.advice.verdict import KnownParts, State
 from ncgear.figures.assembly import assembly_of
+from ncgear.figures.sweep import swept_answer
+from ncgear.figures.trains import judged_room
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import bridging_helix
@@ -34,11 +36,15 @@ from ncgear.project.rough_strength import rough_strength
 from ncgear.project.strengthening import rating_of
 from ncgear.project.tolerance import _mesh_and_limits, lot_of
 from ncgear.project.tolerance_limits import left_of_backlash, tolerances_of
+from ncgear.screening.deeper import OF_WANTED, ROOM, deepened, deeper_names
 from ncgear.screening.designs import Screening, as_in_file, screened_part
+from ncgear.screening.overview import no_overview
+from ncgear.screening.wanted import Objective, Wanted
 from ncgear.strength.holding import Damage
 from ncgear.strength.life import pressed_mpa
 from ncgear.strength.material import MEAN_STRESS
 from ncgear.trains.chain import same_flanks
+from ncgear.trains.contact import distances_of
 from verdicts import verdict_on
 
 ROW = """\
@@ -234,6 +240,44 @@ def test_a_chain_is_varied_and_written_as_its_own_file(tmp_path: Path) -> None:
     assert given.design.gears is not None
     assert again.gears == given.design.gears.model_copy(update={"teeth": 40})
     assert again.motion == given.design.motion
+
+
+def test_a_sweep_of_rows_tells_what_their_check_and_their_strength_tell(tmp_path: Path) -> None:
+    """Negative control: the straighter row of the same width passes and holds."""
+    keys, values = (
+        ["train.bends_deg.0", "train.bends_deg.1", "train.gears.face_width_mm"],
+        [
+            [110.0, 110.0, 12.0],
+            [90.0, 90.0, 1.0],
+            [40.0, -70.0, 12.0],
+        ],
+    )
+    data = loaded("idler-chain").data
+    space = space_of(loaded("idler-chain"), [varied_of(f"{key}=1,2") for key in keys])
+    screened = screened_part(Screening(data, space, (), 3), 0, np.array(values))
+    assert "overlap at every angle" in screened.verdicts[0]
+    assert screened.made.tolist() == [False, True, True]
+    names = deeper_names(loaded("idler-chain").design, "strength")
+    found = deepened(data, names, "strength", screened.at(screened.made))
+    assert found.figures[ROOM].tolist() == [pytest.approx(-5.22, abs=0.01), np.inf]
+    bent = dict(zip(keys, values[1], strict=True))
+    file = tmp_path / "bent.yaml"
+    file.write_text(design_copy(loaded("idler-chain"), bent), encoding="utf-8")
+    train = load_train(file).file.train.train()
+    room = judged_room(distances_of(train, {part.name: part.outline_mm for part in train.parts}))
+    assert not room.holds
+    assert "meet at 281.6 deg" in room.said
+    weak, strong = found.figures[OF_WANTED]
+    assert weak < 1.0 < strong
+    rated = [rating_of(pair) for pair in Drive(load(file).design).by_stage]
+    assert weak == pytest.approx(min(one.safety / one.wanted for rating in rated for one in rating.weakest))
+    wanted = Wanted((), (Objective("train.bends_deg.0"),))
+    answer = swept_answer(load(file).design, no_overview(space, wanted).with_part(found), None, "strength", "")
+    assert answer.heads[:2] == ("bends_deg.0", "bends_deg.1")
+    assert [(one.what, one.cures) for one in answer.faults] == [
+        ("1 of the 2 designs above: gears that do not mesh meet", ("--keep-if 'room_mm > 0'",)),
+        ("1 of the 2 designs above: a safety is under the wanted one", ("--keep-if 'safety_of_wanted_min >= 1'",)),
+    ]
 
 
 @pytest.mark.parametrize(

@@ -468,7 +468,7 @@ def test_other_commands_say_what_works(run: Run, command: str) -> None:
     status, _, err = run(command, str(place))
     assert status == 2
     assert err.startswith("mine.yaml:4:1: train: ")
-    assert "`ncgear check`, `build`, `report`, `animate` and `studio`" in err
+    assert "which `check`, `build`, `report`, `animate` and `studio` of ncgear take; this needs" in err
 
 
 @at_once("command", ["simulate", "size", "compare mine.yaml", "sweep --vary train.speed_rpm=60:90"])
@@ -477,7 +477,7 @@ def test_gears_on_a_carrier_have_no_power_of_gears_on_fixed_axes(run: Run, comma
     _ = written(FILE)
     status, _, err = run(*command.split(), "mine.yaml")
     assert status == 2
-    assert "of planetary trains also `strength` and `tolerance`" in err
+    assert "`animate`, `studio`, `strength` and `tolerance` of ncgear take" in err
 
 
 @at_once(

@@ -388,3 +388,30 @@ def test_teeth_on_a_thin_wall_are_not_said_to_hold(body: str, said: str) -> None
     text = text.replace("  driven: {bore_mm: 10", f"  driven: {{{body}, bore_mm: 10")
     row = next(one for one in judged(drive_of_text(text), KnownParts.TEETH).rows if one.kind is Kind.STRENGTH)
     assert (row.state, said in row.why) == (State.NOT_JUDGED if said else State.KEPT, True)
+
+
+TIGHT = """\
+name: played
+motion: {{law: ratio_expression, ratio: "1 + 0.45*cos(phi)", scale_to_close: true}}
+operation: {{speed_rpm: 60}}
+gears: {{teeth: {teeth}, module_mm: 2, face_width_mm: 12, backlash_mm: {backlash}}}
+"""
+
+
+@pytest.mark.parametrize(("teeth", "offered"), [(18, True), (17, False)])
+def test_tips_shortened_by_backlash_are_cured_by_less_and_by_nothing_that_does_not_help(
+    monkeypatch: pytest.MonkeyPatch, teeth: int, offered: bool
+) -> None:
+    """A tenth more backlash than is offered does not cure them; smaller teeth of the same backlash never do."""
+    monkeypatch.setattr("ncgear.figures.advice.verdict.CONDITIONS", {Kind.SHORTENED: CONDITIONS[Kind.SHORTENED]})
+
+    def matters(**changes: Any) -> list[Advice]:
+        text = TIGHT.format(**{"teeth": teeth, "backlash": 0.8, **changes})
+        return judged(drive_of_text(text), KnownParts.TEETH).warnings
+
+    (advice,) = matters()
+    assert [[change.key for change in one.changes] for one in advice.remedies] == [["gears.backlash_mm"]] * offered
+    if offered:
+        ((change,),) = (one.changes for one in advice.remedies)
+        assert not matters(backlash=change.value)
+        assert matters(backlash=float(str(change.value)) + 0.08)

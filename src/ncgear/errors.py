@@ -114,13 +114,18 @@ def below(group: str) -> Iterator[None]:
 
 
 @contextmanager
-def renamed(old: str, new: str) -> Iterator[None]:
-    """A context in which keys of errors that begin with ``old`` begin with ``new``, for files that spell them so."""
+def renamed(old: str, new: str, helps: str = "") -> Iterator[None]:
+    """A context in which keys of errors that begin with ``old`` begin with ``new``, for files that spell them so.
+
+    ``helps`` is said in place of what would help by keys that such files do not have.
+    """
     try:
         yield
     except DesignError as error:
         if not error.location and (error.key == old or error.key.startswith(f"{old}.")):
             error.key = new + error.key.removeprefix(old)
+            if helps:
+                error.problem = f"{error.problem.partition('; ')[0]}; {helps}"
         raise
 
 

@@ -126,5 +126,5 @@ def sweep(
         run.paths.extend(found.tables)
         best = first_best(files)
         then = f"ncgear build {pasted(folder / best)}" if best else "give other values, or fewer constraints"
-        answer = swept_answer(found.screened, found.deeper, stage.value, then)
+        answer = swept_answer(loaded.design, found.screened, found.deeper, stage.value, then)
         tell(answer, figures, as_json=as_json, verbose=verbose, run=run)

@@ -38,6 +38,7 @@ NAMES = {
     "peak pushing force": "peak pushing force, one pair of teeth",
     "pto": "power take-off",
     "play max": "greatest play of the last driven gear",
+    "safety of wanted min": "safety over wanted",
     "reversal play": "play where torque turns round",
     "peak power resistance": "peak power, resistance alone",
     "peak tooth force": "peak tooth force, one pair of teeth",

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import isfinite
 from typing import Any
 
 import numpy as np
 
+from ncgear.design.keys.design import Design
 from ncgear.figures.answers.answer import Answer, Fault, Row
 from ncgear.figures.csv_text import rows_text
 from ncgear.figures.numbers import known, shown
 from ncgear.figures.quantities import name_of, told
-from ncgear.screening.designs import Designs
+from ncgear.numerics.arrays import Mask
+from ncgear.screening.deeper import OF_WANTED, ROOM, is_row
+from ncgear.screening.designs import Designs, joined
 from ncgear.screening.overview import Overview, rank_correlations
 from ncgear.screening.rows import WITH_MASSES
 from ncgear.screening.wanted import Constraint, Wanted
@@ -27,7 +31,9 @@ def head_of(name: str) -> str:
 
 
 def _last(name: str) -> str:
-    return name.rpartition(".")[2]
+    """The last name of a key or figure, with its place if it is of a list: ``bends_deg.0``."""
+    rest, _, last = name.rpartition(".")
+    return f"{_last(rest)}.{last}" if last.isdigit() else last
 
 
 def _brief(name: str) -> str:
@@ -41,15 +47,11 @@ def _of_pair(name: str, said: str) -> str:
     return f"{pair.replace('_', ' ')} {said}" if pair.startswith("stage_") else said
 
 
-def cells_of(designs: Designs, wanted: Wanted) -> list[list[str]]:
-    """A row for each design: the values of its keys, and its objectives."""
-    return [
-        [
-            *(shown(float(values[row])) for values in designs.values.values()),
-            *(told(_last(one.name), float(designs.column(one.name)[row]))[1] for one in wanted.objectives),
-        ]
-        for row in range(len(designs.numbers))
-    ]
+def _cells(designs: Designs, row: int, figures: Sequence[str]) -> tuple[str, ...]:
+    """The values of a design's keys, and some of its figures."""
+    values = (shown(float(values[row])) for values in designs.values.values())
+    found = ((name, float(designs.column(name)[row])) for name in figures)
+    return (*values, *(told(_last(name), value)[1] if isfinite(value) else "-" for name, value in found))
 
 
 def counts_of(screened: Overview, deeper: Overview | None, stage: str) -> list[str]:
@@ -134,7 +136,7 @@ def front_csv(front: Designs, wanted: Wanted) -> str:
     columns = [front.numbers, *front.values.values(), *(front.figures[name] for name in names)]
     return rows_text(
         ["number", *front.values, *names],
-        [["" if value != value else value for value in (column[row].item() for column in columns)] for row in order],
+        [[value if isfinite(value) else "" for value in (column[row].item() for column in columns)] for row in order],
     )
 
 
@@ -162,19 +164,26 @@ BEST = 3
 """Designs that are told for each objective."""
 
 
-def swept_answer(screened: Overview, deeper: Overview | None, stage: str, then: str) -> Answer:
+def swept_answer(design: Design, screened: Overview, deeper: Overview | None, stage: str, then: str) -> Answer:
     """How many can be made, the best of them, and why the others cannot."""
     last = deeper or screened
     head, *more = counts_of(screened, deeper, stage)
-    heads = [key.rpartition(".")[2] for key in last.space.keys] + [head_of(one.name) for one in last.wanted.objectives]
+    limits = [name for name in LIMITS if last.best and name in last.best[0].figures]
+    figures = list(dict.fromkeys([*(one.name for one in last.wanted.objectives), *limits]))
+    heads = [*map(_last, last.space.keys), *map(head_of, figures)]
     rows = [
-        Row("" if place else f"{'greatest' if objective.greatest else 'least'} {_brief(objective.name)}", tuple(cells))
+        Row(
+            "" if place else f"{'greatest' if objective.greatest else 'least'} {_brief(objective.name)}",
+            _cells(best, place, figures),
+        )
         for objective, best in zip(last.wanted.objectives, last.best, strict=False)
-        for place, cells in enumerate(cells_of(best, last.wanted)[:BEST])
+        for place in range(min(BEST, len(best.numbers)))
     ]
     if without_masses(last):
         given = "train.masses" if last.space.keys[0].startswith("train.") else "masses"
         rows.append(Row("masses", (f"not counted in power: give them as {given}",)))
+    unknown = ROOM not in limits and is_row(design)
+    warned = [_warned(last, name) for name in limits if not _keeps(last, name).all()]
     refused = [
         Fault(f"{one.count} {'design' if one.count == 1 else 'designs'}: {one.verdict}")
         for one in last.frequent_refusals[:REFUSALS]
@@ -182,13 +191,36 @@ def swept_answer(screened: Overview, deeper: Overview | None, stage: str, then: 
     return Answer(
         head,
         tuple(rows),
-        tuple(refused),
+        (*warned, *refused),
         about="; ".join(more),
         heads=tuple(heads),
         good="",
-        wrong=f"{last.count - last.made} are refused",
+        wrong="" if warned else f"{last.count - last.made} are refused",
+        not_judged="Not judged: whether gears that do not mesh meet (--stage teeth)" if unknown else "",
         then=then,
     )
+
+
+LIMITS = {
+    ROOM: (Constraint(ROOM, ">", 0.0), "gears that do not mesh meet"),
+    OF_WANTED: (Constraint(OF_WANTED, ">=", 1.0), "a safety is under the wanted one"),
+}
+"""What figures of later stages have to keep, and the warning of ``check`` and ``strength`` where they do not."""
+
+
+def _warned(overview: Overview, name: str) -> Fault:
+    """How many of the told designs break a limit, and how to leave such designs out."""
+    keeps, (limit, what) = _keeps(overview, name), LIMITS[name]
+    cure = f"--keep-if '{_said([limit])}'"
+    return Fault(f"{(~keeps).sum()} of the {keeps.size} designs above: {what}", (cure,))
+
+
+def _keeps(overview: Overview, name: str) -> Mask:
+    """Which of the told designs, each counted once, keep a limit or have no such figure."""
+    told = joined([best.at(slice(BEST)) for best in overview.best])
+    once = told.at(np.unique(told.numbers, return_index=True)[1])
+    keeps: Mask = LIMITS[name][0].kept(once) | np.isnan(once.column(name))
+    return keeps
 
 
 def without_masses(overview: Overview) -> bool:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import degrees
 from typing import Any
 
 from ncgear.figures.advice.verdict import GOOD, GOOD_AS_JUDGED, State
 from ncgear.figures.answers.answer import Answer, Fault, Row
-from ncgear.figures.numbers import micrometres, to_digits
-from ncgear.numerics.units import in_words
+from ncgear.figures.numbers import micrometres, placed, to_digits
 from ncgear.trains.contact import Distance, MeshContact, distances_of, worst
 from ncgear.trains.train import Train, TrainCondition
 
@@ -76,7 +76,7 @@ def judged_contacts(
 def judged_room(distances: Sequence[Distance]) -> TrainCondition:
     """Whether all parts that do not mesh pass each other."""
     touching = [one for one in distances if one.least_distance_mm <= 0.0]
-    room = [f"{one.first} and {one.second} meet at {in_words(one.at_rad)}" for one in touching]
+    room = [f"{one.first} and {one.second} meet at {placed(degrees(one.at_rad))} deg" for one in touching]
     least = min(distances, key=lambda one: one.least_distance_mm, default=None)
     passing = "no parts at one height come near to each other"
     if least is not None:
@@ -86,7 +86,7 @@ def judged_room(distances: Sequence[Distance]) -> TrainCondition:
 
 
 def _meets(one: MeshContact, how: str, value_mm: float, at_rad: float) -> str:
-    return f"{one.first} and {one.second} {how} {to_digits(value_mm, 3)} mm at {in_words(at_rad)}"
+    return f"{one.first} and {one.second} {how} {to_digits(value_mm, 3)} mm at {placed(degrees(at_rad))} deg"
 
 
 TEETH = TrainCondition("teeth", None, "undercut, tips and strength: for chains and planetary trains, ncgear strength")

@@ -251,8 +251,11 @@ def _chosen(front: Designs, costs: Array) -> IndexArray:
 
 def _head(name: str) -> str:
     """A key or figure with the unit in which a picture shows its values."""
-    label, unit = label_and_unit(name.rpartition(".")[2])
-    return f"{name_of(name.rpartition('.')[2]) if unit else label}{f', {unit}' if unit else ''}"
+    rest, _, last = name.rpartition(".")
+    if last.isdigit():
+        return f"{_head(rest)}, place {last}"
+    label, unit = label_and_unit(last)
+    return f"{name_of(last) if unit else label}{f', {unit}' if unit else ''}"
 
 
 def _axis(name: str, shown: Overview, front: Designs) -> Axis:

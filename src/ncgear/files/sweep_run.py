@@ -91,7 +91,7 @@ def rows_of_part(count: int, fewest: int) -> int:
 
 def names_of(design: Design, screening: Screening, stage: str) -> tuple[str, ...]:
     """All figures of a sweep down to a stage, and the keys that vary."""
-    deeper = deeper_names(design.stages, stage) if _is_deep(stage) else ()
+    deeper = deeper_names(design, stage) if _is_deep(stage) else ()
     return (*screening.figures, *deeper, *screening.space.keys)
 
 
@@ -186,7 +186,8 @@ def swept(
         deep = Parts(folder / f"{order.stage}.parquet", {**deep_plan, "designs_in_a_part": rows}, parts.keys)
         taken = [numbers[first : first + rows] for first in range(0, len(numbers), rows)]
         tasks = partial(_chosen, parts, screening.rows, taken)
-        compute = partial(_deeper_bytes, screening.data, loaded.design.stages, order.stage, deep.digest)
+        names = deeper_names(loaded.design, order.stage)
+        compute = partial(_deeper_bytes, screening.data, names, order.stage, deep.digest)
         _computed(deep, [len(one) for one in taken], compute, tasks, on, on_done, held)
         below, _ = _gathered(deep, len(taken), screening.space, wanted)
     return Swept(overview, parts, below, deep)
@@ -196,8 +197,10 @@ def _screened_bytes(screening: Screening, digest: str, task: tuple[int, Array]) 
     return table_bytes(screened_part(screening, *task), digest, task[0])
 
 
-def _deeper_bytes(data: dict[str, Any], pairs: int, stage: str, digest: str, task: tuple[int, Designs]) -> bytes:
-    return table_bytes(deepened(data, pairs, stage, task[1]), digest, task[0])
+def _deeper_bytes(
+    data: dict[str, Any], names: Sequence[str], stage: str, digest: str, task: tuple[int, Designs]
+) -> bytes:
+    return table_bytes(deepened(data, names, stage, task[1]), digest, task[0])
 
 
 def _chosen(parts: Parts, rows: int, taken: Sequence[Any], part: int) -> Designs:

@@ -17,6 +17,7 @@ from ncgear.frozen import dataclass
 from ncgear.interrupts import TimeIsOver, at_most
 from ncgear.project.alternatives import Changes, changed_drive, is_accepted, resized
 from ncgear.project.drive import Drive
+from ncgear.project.tolerance_limits import MOST_JAMMED, backlash_key, jamming_of
 
 MOST_FINER = 10
 """Most teeth that are tried, as a multiple of the design's: teeth a tenth as large are another pair of gears."""
@@ -102,6 +103,24 @@ def steepest_helix(pair: Drive, good: Good, seconds: float) -> Least:
         return {"gears.helix.angle_deg": whole + 1 - step}
 
     return _least(pair, flatter, good, seconds, (0, whole, 1))
+
+
+TENTHS = 10
+"""Parts of its backlash by which a pair is tried with less."""
+
+
+def most_backlash(pair: Drive, good: Good, seconds: float) -> Least:
+    """The greatest backlash, in tenths of the given one, with which a pair is good, can be made, and jams no more."""
+    key = backlash_key(pair.gears)
+    given, jammed = getattr(pair.gears, key), max(jamming_of(pair).share, MOST_JAMMED)
+
+    def less(tenths: int) -> Changes:
+        return {f"gears.{key}": float(f"{given * (TENTHS - tenths) / TENTHS:.3g}")}
+
+    def turns(changed: Drive) -> bool:
+        return good(changed) and jamming_of(changed).share <= jammed
+
+    return _least(pair, less, turns, seconds, (0, TENTHS, 1))
 
 
 def _least(

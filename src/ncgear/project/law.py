@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from math import degrees, isclose, pi
 
@@ -48,10 +49,12 @@ def _given_law(design: Design) -> Law:
     """The law before it is shared out over pairs; of a row of gears, that of the first pair."""
     motion, lobes = design.motion, lobes_of(design)
     if motion.gives_stroke:
-        return motion.law_on(mechanism_of_stroke(design.linkage, motion.solved_stroke_mm), lobes)
-    law = motion.law_on(
-        mechanism_of(design.linkage), lobes, ring=design.gears is not None and design.gears.mesh == "internal"
-    )
+        linkage = mechanism_of_stroke(design.linkage, motion.solved_stroke_mm)
+        with _naming_a_lock(linkage):
+            return motion.law_on(linkage, lobes)
+    linkage = mechanism_of(design.linkage)
+    with _naming_a_lock(linkage):
+        law = motion.law_on(linkage, lobes, ring=design.gears is not None and design.gears.mesh == "internal")
     covered, linkage = law.transmission.lobes.range, law.linkage
     if covered is None and not linkage.RETURNS and not linkage.OUTPUT.angular:
         raise WrongInput(
@@ -69,6 +72,25 @@ def _given_law(design: Design) -> Law:
             key="motion",
         )
     return law
+
+
+LOCKED_DEG = 15.0
+"""Transmission angle under which a linkage counts as nearly locked: near 0 its output hardly follows its crank."""
+
+
+@contextmanager
+def _naming_a_lock(linkage: Mechanism) -> Iterator[None]:
+    """A context in which refusals of a ratio name the linkage where it nearly locks: the ratio follows from it."""
+    try:
+        yield
+    except NoSuchMechanism as error:
+        least_rad, crank_rad = linkage.least_transmission() if linkage.RODS else (pi, 0.0)
+        if degrees(least_rad) < LOCKED_DEG and " ratio " in error.problem:
+            error.problem += (
+                f"; {linkage.NAME} nearly locks at the crank angle of {degrees(crank_rad):.4g} deg, where its "
+                f"transmission angle is {degrees(least_rad):.3g} deg: other lengths (linkage) may help"
+            )
+        raise
 
 
 def require_whole_turns(design: Design, what: str) -> None:

@@ -6,13 +6,14 @@ gear.  If a motor is too weak, a stronger motor is told, which was tried with ex
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
-from math import cos, pi, radians
+from math import cos, inf, pi, radians
 
 from ncgear.design.keys.base import listed
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.drivetrain import DrivetrainMotor
+from ncgear.design.keys.masses import Motor as LineKeys
 from ncgear.drivetrain.cycle import Cycle, cycle_of, rubbing
 from ncgear.drivetrain.losses import Demand, losses_of, most_mesh_loss_factor
 from ncgear.drivetrain.motor import Gearbox, MotorLoad, Stall, StraightLine, motor_load, stall_of
@@ -21,7 +22,7 @@ from ncgear.dynamics.motion_in_time import Motor
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.interrupts import TimeIsOver, at_most
-from ncgear.numerics.bounds import shown_above
+from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
 from ncgear.project.forces import drive_line_of
 from ncgear.project.geared import Geared
@@ -50,6 +51,25 @@ class MotorResult:
     def most_n_m(self) -> float:
         """The motor's largest torque."""
         return N_M_PER_N_MM * (self.course.motor_range_n_mm[1] if self.course else self.load.most_n_mm.value)
+
+    @property
+    def turns_rpm(self) -> float:
+        """The motor's speed at the machine's."""
+        return self.load.speed_rad_s / RAD_S_PER_RPM
+
+    @property
+    def faults(self) -> set[str]:
+        """What the motor does not do: it stops, is hot or weak, turns too fast, or the machine is off its speed."""
+        given, course, peak = self.given, self.course, self.given.peak_torque_n_m
+        if self.stops:
+            return {"stops"}
+        tests = {
+            "hot": self.rms_n_m > given.rated_torque_n_m,
+            "weak": peak is not None and self.most_n_m > peak,
+            "fast": course is None and self.turns_rpm > (1.0 + OFF_SPEED) * given.rated_speed_rpm,
+            "off speed": course is not None and not _is_near(course.mean_rad_s, self.demand),
+        }
+        return {fault for fault, true in tests.items() if true}
 
 
 def demand_of(design: Design, smooth: Cycle, mesh_loss_factors: tuple[float, ...]) -> Demand:
@@ -152,13 +172,12 @@ def steady_rad_s(drive: Geared) -> float | None:
 Told = dict[str, float]
 """Dotted keys of the design file with values, as they are written."""
 
-TRIES = 3
-"""Number of no-load speeds that are tried with each torque.  The first follows from the machine's mean torque; each
-next speed is corrected by the error of the speed before."""
+STEPS = 12
+"""Motors that are tried one after the other: a motor whose line rises with its rated torque bears more with each."""
 
-STRONGER = (2.0, 4.0)
-"""Torques at rest that are tried if the given torque is not enough, as multiples of the machine's greatest torque: with
-less, motors lose half of their speed and more."""
+STRONGER = 2.0
+"""Torque at rest of a motor in place of one that stops, as a multiple of that, or of the machine's greatest torque:
+with less, motors lose half of their speed and more."""
 
 STIFFENED = 1.01
 """Factor on the r.m.s.  torque for which a stronger motor is rated: with a higher rating it holds its speed better."""
@@ -177,100 +196,101 @@ def told_words(found: Told | None) -> str:
     return listed((f"{key}: {value:.6g}" for key, value in found.items()), "and")
 
 
+BARE = DrivetrainMotor.model_construct(rated_torque_n_m=inf, rated_speed_rpm=inf)
+"""A motor of which nothing but the simulation's line at the driving gear counts."""
+
+
 def fitting_simulated(drive: Geared) -> Told | None:
-    """Keys of a motor for the simulation that turns the machine at its own speed.
+    """Keys of a motor for the simulation that turns the machine at its own speed, from its start on.
 
     Only changed keys are told; the torque stays if it is enough.  None where no tried motor works.
     """
-    asked, given = _asked(drive), drive.design.simulation.motor
-    if asked is None or given is None:
+    if (asked := _asked(drive)) is None:
         return None
     demand = asked[0]
 
-    def tried(rpm: float, torque_n_m: float) -> tuple[Told, float | None]:
-        torque_n_m = torque_n_m if torque_n_m == given.stall_torque_n_m else float(shown_above(torque_n_m, 3))
-        told = {"no_load_speed_rpm": float(f"{rpm:.4g}"), "stall_torque_n_m": torque_n_m}
-        line = StraightLine(torque_n_m / N_M_PER_N_MM, told["no_load_speed_rpm"] * RAD_S_PER_RPM)
-        changed = {key: value for key, value in told.items() if value != getattr(given, key)}
-        return _under("simulation.motor", changed), _runs_rad_s(drive, demand, LineDrive(line, Gearbox()))
+    def starts(design: Design) -> bool:
+        line = _line_drive(design, BARE)
+        return line is not None and _stops(drive, demand, line) is None
 
-    return _fitting(demand, given.stall_torque_n_m, tried)
+    return _fitting(drive.design, [motor_of(drive.design, BARE, demand)], starts)
 
 
-def fitting_geared(design: Design, found: MotorResult) -> Told | None:
-    """As ``fitting_simulated``, for a motor that stops behind its gearbox: torques and ratio, or line, that work."""
-    given, demand, line = found.given, found.demand, design.simulation.motor
+def fitting_geared(design: Design, found: Sequence[MotorResult]) -> Told | None:
+    """The same for a motor behind its gearbox: torques and ratio, or the simulation's line.
 
-    def run(ratio: float, rated_n_m: float, of_line: Told) -> MotorResult:
-        gearbox = given.gearbox.model_copy(update={"ratio": ratio})
-        motor = given.model_copy(update={"rated_torque_n_m": rated_n_m, "gearbox": gearbox})
-        simulation = design.simulation.model_copy(update={"motor": line and line.model_copy(update=of_line)})
-        rotor_kg_mm2 = given.inertia_kg_mm2 * ratio**2
-        changed = design.model_copy(update={"simulation": simulation})
-        return motor_of(changed, motor, Demand(demand.cycle, demand.losses, rotor_kg_mm2))
+    ``found`` is the motor that does not work, with the least and the most friction between the teeth, or as it is.
+    """
+    return _fitting(design, found, lambda _: True)
 
-    def tried(rpm: float, torque_n_m: float) -> tuple[Told, float | None]:
-        """The motor with this speed and at least this torque in its line at the driving gear, and its rated torque."""
-        of_line, ratio, rated = Told(), given.gearbox.ratio, given.rated_torque_n_m
-        if given.no_load_speed_rpm is None:
-            of_line = {"no_load_speed_rpm": float(f"{rpm:.4g}"), "stall_torque_n_m": float(shown_above(torque_n_m, 3))}
-        else:
-            ratio = float(f"{given.no_load_speed_rpm / rpm:.4g}")
-            slip = 1.0 - given.rated_speed_rpm / given.no_load_speed_rpm
-            rated = max(slip * torque_n_m / (ratio * given.gearbox.efficiency), rated)
-        needed = N_M_PER_N_MM * found.load.rms_n_mm * given.gearbox.ratio / ratio
-        rated = float(shown_above(max(rated, needed), 3))
-        runs = run(ratio, rated, of_line)
-        if runs.course is not None and runs.rms_n_m > rated:
-            # With a line of its own, the motor stiffens with its rated torque
-            rated = float(shown_above(STIFFENED * runs.rms_n_m, 3))
-            runs = run(ratio, rated, of_line)
-        if runs.course is None:
-            return {}, None
-        own: Told = {"rated_torque_n_m": rated} | ({"gearbox.ratio": ratio} if ratio != given.gearbox.ratio else {})
-        if given.peak_torque_n_m is not None and given.peak_torque_n_m < max(runs.most_n_m, rated):
-            own["peak_torque_n_m"] = float(shown_above(max(runs.most_n_m, rated), 3))
-        told = _under("drivetrain.motor", own) | _under("simulation.motor", of_line)
-        return told, runs.course.mean_rad_s if runs.rms_n_m <= rated else None
 
-    return _fitting(demand, None, tried)
+def _fitting(design: Design, found: Sequence[MotorResult], starts: Callable[[Design], bool]) -> Told | None:
+    motor, line, runs = found[0].given, design.simulation.motor, tuple(found)
+    given, changed = _keys(motor, line), design
+    with suppress(TimeIsOver), at_most(MOST_SECONDS):
+        for _ in range(STEPS):
+            faults, peak = set().union(*(one.faults for one in runs)), motor.peak_torque_n_m
+            if not faults and not starts(changed):
+                faults = {"stops"}
+            if not faults and (peak is None or peak >= motor.rated_torque_n_m):
+                return {key: value for key, value in _keys(motor, line).items() if value != given[key]}
+            motor, line = _bettered(motor, line, runs, faults)
+            changed = design.model_copy(update={"simulation": design.simulation.model_copy(update={"motor": line})})
+            rotor_kg_mm2 = motor.inertia_kg_mm2 * motor.gearbox.ratio**2
+            again = (Demand(one.demand.cycle, one.demand.losses, rotor_kg_mm2) for one in runs)
+            runs = tuple(motor_of(changed, motor, demand) for demand in again)
+    return None
+
+
+def _keys(motor: DrivetrainMotor, line: LineKeys | None) -> Told:
+    own: Told = {"rated_torque_n_m": motor.rated_torque_n_m}
+    if motor.peak_torque_n_m is not None:
+        own["peak_torque_n_m"] = motor.peak_torque_n_m
+    own["gearbox.ratio"] = motor.gearbox.ratio
+    at_gear = {} if line is None else {key: getattr(line, key) for key in ("no_load_speed_rpm", "stall_torque_n_m")}
+    return _under("drivetrain.motor", own) | _under("simulation.motor", at_gear)
+
+
+def _bettered(
+    motor: DrivetrainMotor, line: LineKeys | None, runs: Sequence[MotorResult], faults: set[str]
+) -> tuple[DrivetrainMotor, LineKeys | None]:
+    """The motor with what it lacks in these runs, to four digits; its line stands at the driving gear or is its own."""
+    own, demand, rated, peak = motor.gearbox.ratio, runs[-1].demand, motor.rated_torque_n_m, motor.peak_torque_n_m
+    slip = 1.0 - motor.rated_speed_rpm / motor.no_load_speed_rpm if motor.no_load_speed_rpm else 1.0
+    rest_n_m = line.stall_torque_n_m if line else rated / slip * own * motor.gearbox.efficiency
+    # How many times as fast the line is without load
+    faster = 1.0
+    if "stops" in faults:
+        mean = N_M_PER_N_MM * demand.fluctuation.mean_torque_n_mm
+        rest_n_m = STRONGER * max(rest_n_m, N_M_PER_N_MM * demand.torque_range_n_mm[1].value)
+        free_rpm = line.no_load_speed_rpm if line else (motor.no_load_speed_rpm or motor.rated_speed_rpm) / own
+        faster = demand.speed_rad_s / RAD_S_PER_RPM / (1.0 - mean / rest_n_m) / free_rpm
+    elif "off speed" in faults:
+        shares = [one.course.mean_rad_s / demand.speed_rad_s for one in runs if one.course]
+        faster = len(shares) / sum(shares)
+    elif "fast" in faults:
+        faster = runs[0].turns_rpm / motor.rated_speed_rpm
+    ratio = own
+    if line:
+        speeds = {"no_load_speed_rpm": float(f"{line.no_load_speed_rpm * faster:.4g}")}
+        line = line.model_copy(update={**speeds, "stall_torque_n_m": float(shown_above(rest_n_m, 4))})
+    elif faster != 1.0:
+        ratio = float(shown_below(own / faster, 4))
+    if "stops" in faults and not line:
+        rated = float(shown_above(max(rated, slip * rest_n_m / (ratio * motor.gearbox.efficiency)), 4))
+    if "hot" in faults:
+        # With a line of its own, the motor stiffens with its rated torque
+        stiffer = STIFFENED if runs[0].course else 1.0
+        rated = float(shown_above(stiffer * max(one.rms_n_m for one in runs) * own / ratio, 4))
+    if peak is not None and faults <= {"weak"}:
+        peak = float(shown_above(max(*(one.most_n_m for one in runs), rated), 4))
+    gearbox = motor.gearbox.model_copy(update={"ratio": ratio})
+    changes = {"gearbox": gearbox, "rated_torque_n_m": rated, "peak_torque_n_m": peak}
+    return motor.model_copy(update=changes), line
 
 
 def _under(group: str, told: Told) -> Told:
     return {f"{group}.{key}": value for key, value in told.items()}
-
-
-def _fitting(
-    demand: Demand, given_n_m: float | None, tried: Callable[[float, float], tuple[Told, float | None]]
-) -> Told | None:
-    """The first motor that works, among torques at rest in N m and no-load speeds in r/min at the driving gear.
-
-    ``tried`` gives the keys to tell, and the mean speed in rad/s with them; None where the motor stops.
-    """
-    own = () if given_n_m is None else (given_n_m,)
-    least = max(N_M_PER_N_MM * demand.torque_range_n_mm[1].value, *own, 0.0)
-    mean, wanted = N_M_PER_N_MM * demand.fluctuation.mean_torque_n_mm, demand.speed_rad_s / RAD_S_PER_RPM
-    with suppress(TimeIsOver), at_most(MOST_SECONDS):
-        for torque in (*own, *(times * least for times in STRONGER)):
-            rpm = wanted / (1.0 - mean / torque) if mean < torque else 0.0
-            for _ in range(TRIES if rpm else 0):
-                told, runs = tried(rpm, torque)
-                if runs is None:
-                    break
-                if _is_near(runs, demand):
-                    return told
-                rpm *= demand.speed_rad_s / runs
-    return None
-
-
-def _runs_rad_s(drive: Geared, demand: Demand, motor: LineDrive) -> float | None:
-    """The mean speed at which a motor keeps the machine turning; None where it stops from the start on or later."""
-    try:
-        runs = speed_course(demand, motor).mean_rad_s
-    except NoSuchMechanism:
-        return None
-    # The start takes as long to compute, and matters only where the speed is right
-    return None if _is_near(runs, demand) and _stops(drive, demand, motor) else runs
 
 
 def _is_near(runs_rad_s: float, demand: Demand) -> bool:

@@ -5,9 +5,9 @@ Only the parts for figures are made: no solids, no written outlines, no motion i
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from math import nan
+from math import inf, nan
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.figures import CONTACT, OF_PAIR
 from ncgear.project.opened import drive_like
+from ncgear.project.strengthening import Rating, known_rating
 from ncgear.screening.designs import MADE, Designs, as_in_file
 
 
@@ -51,21 +52,47 @@ STAGES: dict[str, dict[str, Callable[[Drive], float]]] = {
 """The later stages in their order: the names of their figures, as in summary.json, and the functions for them."""
 
 
+ROOM, OF_WANTED = "teeth.room_mm", "strength.safety_of_wanted_min"
+"""Figures of the whole machine: the least distance of gears of a row that do not mesh, the least share of a wanted
+safety."""
+
+
+def is_row(design: Design) -> bool:
+    """Whether its gears are a row, with idlers."""
+    return design.gears is not None and design.gears.idlers is not None
+
+
+def _of_whole(design: Design, stage: str) -> dict[str, Callable[[Drive], float]]:
+    """The functions for the figures of a stage that are of the whole machine, by their names."""
+    if stage == "teeth" and is_row(design):
+        return {ROOM: lambda drive: min((one.least_distance_mm for one in drive.row_room), default=inf)}
+    return {OF_WANTED: _of_wanted} if stage == "strength" else {}
+
+
+def _of_wanted(drive: Drive) -> float:
+    ratings = [known_rating(pair) for pair in drive.by_stage]
+    shares = [one.share for rating in ratings if isinstance(rating, Rating) for one in rating.weakest]
+    return min(shares, default=nan)
+
+
 def stages_up_to(stage: str) -> tuple[str, ...]:
     """The stages that a design goes through, up to this one."""
     return tuple(STAGES)[: list(STAGES).index(stage) + 1]
 
 
-def deeper_names(pairs: int, stage: str) -> tuple[str, ...]:
-    """The names of all figures up to a stage for designs with ``pairs`` pairs of gears.
+def deeper_names(design: Design, stage: str) -> tuple[str, ...]:
+    """The names of all figures up to a stage of a design, and of designs with other numbers.
 
-    Each of two pairs has its own figures, such as ``stage_1.teeth.driving``.
+    Each of several pairs has its own figures, such as ``stage_1.teeth.driving``.
     """
+    pairs = design.stages
     return tuple(
-        f"{_of_pair(number, pairs)}{name}"
+        name
         for one in stages_up_to(stage)
-        for number in range(1, pairs + 1)
-        for name in STAGES[one]
+        for name in (
+            *(f"{_of_pair(number, pairs)}{key}" for number in range(1, pairs + 1) for key in STAGES[one]),
+            *_of_whole(design, one),
+        )
     )
 
 
@@ -81,10 +108,10 @@ def require_stage(design: Design, stage: str) -> None:
         raise WrongInput("missing, and so are masses; the load of the teeth follows from them", key="resistance")
 
 
-def deepened(data: dict[str, Any], pairs: int, stage: str, designs: Designs) -> Designs:
-    """The same designs with the figures of the stages up to ``stage`` that each design reaches.
+def deepened(data: dict[str, Any], names: Sequence[str], stage: str, designs: Designs) -> Designs:
+    """The same designs with the figures of the stages up to ``stage``, ``names``, that each design reaches.
 
-    ``data`` is the file's content, of a machine with ``pairs`` pairs of gears.
+    ``data`` is the file's content.
     """
     found: list[tuple[dict[str, float], str]] = []
     drive: Drive | None = None
@@ -97,7 +124,7 @@ def deepened(data: dict[str, Any], pairs: int, stage: str, designs: Designs) -> 
         # Law, teeth and contact of the design before are kept where they are the same.
         drive = Drive(design) if drive is None else drive_like(drive, design)
         found.append(_followed(drive, stage))
-    more = {name: np.array([row.get(name, np.nan) for row, _ in found]) for name in deeper_names(pairs, stage)}
+    more = {name: np.array([row.get(name, np.nan) for row, _ in found]) for name in names}
     told = np.array([as_in_file(data, verdict) for _, verdict in found], dtype=object)
     return replace(designs, figures={**designs.figures, **more}, verdicts=told)
 
@@ -110,6 +137,7 @@ def _followed(drive: Drive, stage: str) -> tuple[dict[str, float], str]:
             for number, pair in enumerate(drive.by_stage, start=1):
                 of = _of_pair(number, drive.design.stages)
                 found |= {f"{of}{name}": float(figure(pair)) for name, figure in STAGES[one].items()}
+            found |= {name: figure(drive) for name, figure in _of_whole(drive.design, one).items()}
     except DesignError as error:
         return found, str(error)
     return found, MADE

@@ -111,6 +111,8 @@ def _closes(samples: Samples, ratio: Functions) -> Mask:
 def single_figures(design: Design) -> dict[str, float]:
     """All figures of a design; raises WrongInput or NoSuchMechanism where it cannot be made."""
     drive = Drive(design)
+    if design.gears is not None and design.gears.idlers is not None:
+        _ = drive.row
     low, high = drive.transmission.ratio_range
     # With two stages each pair has its own curves, and only a build distinguishes them.  Whether teeth can roll on the
     # curves is tested before the peaks of the motion, which take longest.

@@ -13,9 +13,10 @@ from math import cos, degrees, gcd, lcm, pi
 
 import numpy as np
 
-from ncgear.errors import NoSuchMechanism
+from ncgear.errors import NoSuchMechanism, renamed
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.units import placed_rad
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
 from ncgear.ratio.laws.row import beta_rad, row_train
@@ -29,7 +30,7 @@ from ncgear.teeth.gear import ToothedGear, pair_tips, toothed_gear
 from ncgear.teeth.outline import ChordTolerance
 from ncgear.teeth.tips import Tips, held_below
 from ncgear.teeth.tool import least_concave_radius_mm, most_teeth
-from ncgear.trains.train import GearMesh, Part, Poses, Train, TrainFigures, contact_condition, mirrored
+from ncgear.trains.train import MORE_TEETH, GearMesh, Part, Poses, Train, TrainFigures, contact_condition, mirrored
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,13 +126,16 @@ def row_tips(row: PairRow, form: ToothForm) -> list[tuple[CutterKind, PairTips]]
     thinner, pitch_mm = -form.backlash.thickness_mm[0], form.rack.pitch_mm
     advance, made = 0.0, list[tuple[CutterKind, PairTips]]()
     for number, pair in enumerate(row.pairs):
+        rolled = row.rolled_mm(number) if number else 0.0
+        if number:
+            advance = (advance + pitch_mm / 2.0 + rolled + thinner) % pitch_mm
+        # No file of a row gives its cutter
+        with renamed("gears.cutter.teeth", "gears.teeth", MORE_TEETH):
+            tool, (own, mate) = pair_tips(pair, form, advance)
         if not number:
-            made.append(pair_tips(pair, form, advance))
+            made.append((tool, (own, mate)))
             continue
-        rolled = row.rolled_mm(number)
-        advance = (advance + pitch_mm / 2.0 + rolled + thinner) % pitch_mm
         kind, (first, idler) = made[-1]
-        tool, (own, mate) = pair_tips(pair, form, advance)
         made[-1] = kind, (first, _as_low_as_both(idler, own, rolled))
         made.append((tool, (_as_low_as_both(own, idler, -rolled), mate)))
     return made
@@ -198,7 +202,8 @@ def _told(row: PairRow, contact_ratio: float) -> TrainFigures:
         ("axes", f"{', '.join(f'{one:.6g}' for one in distances)} mm apart"),
         (
             "ratio",
-            f"{low.value:.5g} at {degrees(low.at):.4g} deg to {high.value:.5g} at {degrees(high.at):.4g} deg from the "
+            f"{low.value:.5g} at {degrees(placed_rad(low.at)):.4g} deg to {high.value:.5g} at "
+            f"{degrees(placed_rad(high.at)):.4g} deg from the "
             "first gear to the last",
         ),
         ("pitch curves", "all convex" if all(convex) else "some concave: a pinion cuts all gears"),

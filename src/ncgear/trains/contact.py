@@ -74,15 +74,15 @@ def _contact(train: Train, first: str, second: str, kind: Mesh, outlines_mm: Map
     meeting = _Meeting(outlines_mm[first], outlines_mm[second], ring=kind is Mesh.INTERNAL)
     relative = _relative(train, first, second)
     angles = _angles(train)
-    found = np.array([meeting.at(*one) for one in zip(*relative(angles), strict=True)])
+    places = [*zip(*relative(angles), strict=True)]
     ends = []
-    for column in (0, 1):
+    for measure in (meeting.depth_mm, meeting.gap_mm):
 
-        def value(angle: float, column: int = column) -> float:
+        def value(angle: float, measure: Callable[[complex, complex], float] = measure) -> float:
             (place,), (turn,) = relative(np.array([angle]))
-            return meeting.at(place, turn)[column]
+            return measure(place, turn)
 
-        ends.append(_greatest(value, angles, found[:, column]))
+        ends.append(_greatest(value, angles, np.array([measure(*one) for one in places])))
     (deepest, deepest_at), (gap, gap_at) = ends
     return MeshContact(first, second, deepest, deepest_at, gap, gap_at)
 
@@ -131,17 +131,11 @@ class _Meeting:
         for area in self._areas:
             shapely.prepare(area)
 
-    def at(self, place: complex, turn: complex) -> tuple[float, float]:
-        """Penetration and gap in mm where the second part's axis and turn are these in the frame of the first."""
+    def depth_mm(self, place: complex, turn: complex) -> float:
+        """Penetration where the second part's axis and turn are these in the frame of the first."""
         import shapely
 
-        second = place + self._second * turn
-        near, away = np.abs(second) <= self._reach[0] + NEAR_MM, np.abs(self._first - place)
-        inside_own = away >= self._inner - NEAR_MM if self._ring else away <= self._reach[1] + NEAR_MM
-        if not near.any() or not inside_own.any():
-            return 0.0, float(np.abs(self._first[:, None] - second[None, :]).min())
-        mine, theirs = _lines(self._first, inside_own), _lines(second, near)
-        gap = float(shapely.distance(mine, theirs))
+        second, near, inside_own = self._near(place, turn)
         back = (self._first[inside_own] - place) / turn
         of_second = shapely.contains_xy(self._areas[0], second[near].real, second[near].imag)
         of_first = shapely.contains_xy(self._areas[1], back.real, back.imag)
@@ -149,11 +143,30 @@ class _Meeting:
             # The ring's material is outside its outline.
             of_first = ~of_first
         deep = [
-            float(shapely.distance(shapely.points(points[within].real, points[within].imag), line).max())
-            for points, within, line in ((second[near], of_second, mine), (self._first[inside_own], of_first, theirs))
-            if within.any()
+            float(shapely.distance(shapely.points(points[within].real, points[within].imag), _lines(*other)).max())
+            for points, within, other in (
+                (second[near], of_second, (self._first, inside_own)),
+                (self._first[inside_own], of_first, (second, near)),
+            )
+            if within.any() and near.any() and inside_own.any()
         ]
-        return max(deep, default=0.0), gap
+        return max(deep, default=0.0)
+
+    def gap_mm(self, place: complex, turn: complex) -> float:
+        """The gap there."""
+        import shapely
+
+        second, near, inside_own = self._near(place, turn)
+        if not near.any() or not inside_own.any():
+            return float(np.abs(self._first[:, None] - second[None, :]).min())
+        return float(shapely.distance(_lines(self._first, inside_own), _lines(second, near)))
+
+    def _near(self, place: complex, turn: complex) -> tuple[ComplexArray, Mask, Mask]:
+        """The second outline there, and which points of it and of the first are near both parts."""
+        second = place + self._second * turn
+        near, away = np.abs(second) <= self._reach[0] + NEAR_MM, np.abs(self._first - place)
+        inside_own = away >= self._inner - NEAR_MM if self._ring else away <= self._reach[1] + NEAR_MM
+        return second, near, inside_own
 
 
 NEAR_MM = 1e-6
@@ -166,12 +179,17 @@ def _lines(outline: ComplexArray, kept: Mask) -> object:
 
     if kept.all():
         return shapely.LineString(as_points(np.append(outline, outline[:1])))
-    wide = kept | np.roll(kept, 1) | np.roll(kept, -1)
+    wide = kept.copy()
+    wide[1:] |= kept[:-1]
+    wide[:-1] |= kept[1:]
+    wide[0] |= kept[-1]
+    wide[-1] |= kept[0]
     start = 0 if wide.all() else int(np.argmin(wide))
-    order = np.roll(np.arange(outline.size), -start)
-    marks = wide[order]
-    piece = np.cumsum(marks & ~np.roll(marks, 1))[marks]
-    points = outline[order[marks]]
+    # From a point that is not kept on, if there is one, so that no piece goes on over the end
+    order = np.flatnonzero(wide)
+    order = np.concatenate([order[order >= start], order[order < start]])
+    piece = np.cumsum(np.diff(order, prepend=order[:1] - 1) % outline.size != 1)
+    points = outline[order]
     return shapely.multilinestrings(shapely.linestrings(points.real, points.imag, indices=piece - piece[0]))
 
 

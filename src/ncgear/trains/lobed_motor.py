@@ -14,14 +14,12 @@ Play is taken off the idle flanks of sun and ring.  The planets, which stand bet
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from math import cos, degrees, pi, tan
 
 import numpy as np
 
-from ncgear.errors import NoSuchMechanism, below
+from ncgear.errors import NoSuchMechanism, below, renamed
 from ncgear.frozen import dataclass
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array, ComplexArray
@@ -144,18 +142,7 @@ def _cutter(curve: ClosedPitchCurve, teeth: MotorTeeth) -> PinionCircle:
     return pinion
 
 
-@contextmanager
-def _keys_of_motors() -> Iterator[None]:
-    """A context in which faults of a cutter name the motor's key for it, and a remedy."""
-    try:
-        yield
-    except NoSuchMechanism as error:
-        if error.key == "gears.cutter.teeth":
-            error.key = "gears.cutter_teeth"
-            error.problem = (
-                f"{error.problem.split(';')[0]}; another number of cutter teeth, or a smaller pressure angle, is needed"
-            )
-        raise
+OTHER_CUTTER = "another number of cutter teeth, or a smaller pressure angle, is needed"
 
 
 def _as_high_as_both(planet: Tips, inner: Tips) -> Tips:
@@ -188,7 +175,7 @@ def motor_train(
     A cycle is a lobe of the sun: then each planet stands where the next one stood.  Raises NoSuchMechanism as
     ``motor_gears``.
     """
-    with below("train"), _keys_of_motors():
+    with below("train"), renamed("gears.cutter.teeth", "gears.cutter_teeth", OTHER_CUTTER):
         gears = motor_gears(curves, teeth, tolerance_mm)
     width, names = bodies.face_width_mm, [f"planet_{number + 1}" for number in range(curves.planets)]
     outline, wall_mm = gears.planet.outline_mm, INNER_WALL_IN_MODULES * teeth.rack.module_mm

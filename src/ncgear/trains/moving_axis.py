@@ -13,7 +13,7 @@ import numpy as np
 from ncgear.errors import NoSuchMechanism, below
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.units import RAD_S_PER_RPM
+from ncgear.numerics.units import RAD_S_PER_RPM, placed_rad
 from ncgear.pitch.moving_axes import MovingAxes
 from ncgear.pitch.shape import Gear
 from ncgear.solids.plan.room import INNER_WALL_IN_MODULES
@@ -120,8 +120,8 @@ def _told(
         ("gears", f"{gears.driving.teeth} and {gears.driven.teeth} teeth, module {module:.6g} mm"),
         (
             "axes",
-            f"{near.value:.6g} mm apart at {degrees(near.at):.4g} deg to {far.value:.6g} mm at "
-            f"{degrees(far.at):.4g} deg; the driven axis moves by up to {speed:.4g} mm per rad, "
+            f"{near.value:.6g} mm apart at {degrees(placed_rad(near.at)):.4g} deg to {far.value:.6g} mm at "
+            f"{degrees(placed_rad(far.at)):.4g} deg; the driven axis moves by up to {speed:.4g} mm per rad, "
             f"{speed * speed_rpm * RAD_S_PER_RPM:.4g} mm/s",
         ),
         ("pitch point", f"up to {offset:.4g} mm beside the line of centres"),

@@ -21,6 +21,9 @@ from ncgear.pitch.shape import Mesh
 MARGIN = 0.04
 """Margin of pictures, as a share of their larger side."""
 
+MORE_TEETH = "more teeth, or a smaller pressure angle, are needed"
+"""What helps against a fault of the cutter, which no file of a train but that of a motor gives."""
+
 GROUND = "ground"
 """``fixed_to`` of a part that stands still."""
 

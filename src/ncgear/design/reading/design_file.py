@@ -22,7 +22,8 @@ from ncgear.design.reading.points import FileColumns, PointsKind, columns_kind, 
 from ncgear.design.reading.svg_file import picture_contour_of, svg_contour_of
 from ncgear.design.reading.text import quoted, read_text
 from ncgear.design.reading.yaml import DEEPEST, read_yaml
-from ncgear.design.trains.registry import TrainFile, names_in_file, train_model
+from ncgear.design.trains.registry import TrainFile, commands_of, names_in_file, train_model
+from ncgear.design.words import listed
 from ncgear.errors import WrongInput, located
 from ncgear.frozen import dataclass
 
@@ -124,11 +125,9 @@ def design_of(document: Document, text: str, path: Path) -> LoadedDesign:
 def refuse_train(document: Document, needed: str) -> None:
     """Refuse the file of a train of gears if another file is needed; raises WrongInput with the commands that work."""
     if "train" in document.data:
-        problem = (
-            "the file has a train of gears, which `ncgear check`, `build`, `report`, `animate` and `studio` take, of "
-            "planetary trains also `strength` and `tolerance`, and of chains `simulate`, `compare` and `sweep`, too; "
-            f"this needs {needed}"
-        )
+        train = document.data["train"]
+        taken = listed((f"`{command}`" for command in commands_of(train)), "and")
+        problem = f"the file has a train of gears, which {taken} of ncgear take; this needs {needed}"
         raise WrongInput(problem, key="train", location=str(document.place("train")))
 
 

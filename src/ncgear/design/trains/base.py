@@ -44,7 +44,12 @@ class TrainKeys(Model):
 
         Raises WrongInput and NoSuchMechanism with keys that begin with ``train``, such as ``train.gears.module_mm``.
         """
-        with renamed("train.output", "train.gears"), renamed("train.gears.cutter.teeth", "train.gears.teeth"):
+        from ncgear.trains.train import MORE_TEETH
+
+        with (
+            renamed("train.output", "train.gears"),
+            renamed("train.gears.cutter.teeth", "train.gears.teeth", MORE_TEETH),
+        ):
             return with_sound_bodies(self._made())
 
     WRITTEN_AS: ClassVar[Mapping[str, str]] = {}

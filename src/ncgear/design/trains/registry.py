@@ -20,7 +20,7 @@ from pydantic import create_model
 from ncgear.design.keys.base import FILE_FORMAT, FileFormat, Model, optional, required
 from ncgear.design.reading.messages import dotted_keys
 from ncgear.design.reading.text import quoted
-from ncgear.design.trains.base import TrainKeys
+from ncgear.design.trains.base import RatedTrain, TrainKeys
 from ncgear.design.trains.chain import Chain
 from ncgear.design.trains.lobed_motor import LobedMotor
 from ncgear.design.trains.moving_axis import MovingAxis
@@ -84,6 +84,15 @@ def _model_of(kind: str) -> type[TrainFile]:
     named_keys: Any = create_model(title, __base__=keys, __doc__=keys.__doc__, __cls_kwargs__=first, kind=kind_key)
     words = TrainFile.model_fields["train"].description or ""
     return create_model(f"{keys.__name__}File", __base__=TrainFile, train=(named_keys, required(words)))
+
+
+def commands_of(train: object) -> list[str]:
+    """The commands that take a file with such a value of ``train``, whether it is right or not."""
+    kind = train.get("kind") if isinstance(train, Mapping) else None
+    keys = KINDS.get(kind) if isinstance(kind, str) else None
+    more = ["strength", "tolerance", "simulate", "compare", "sweep"] if keys and RatedTrain in keys.__mro__ else []
+    # Gears on a carrier have the loads of a machine, and not its power
+    return ["check", "build", "report", "animate", "studio", *(more if keys and keys.TURNS_ALONE else more[:2])]
 
 
 def train_models() -> dict[str, type[TrainFile]]:

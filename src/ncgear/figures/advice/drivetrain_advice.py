@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from math import degrees
 from typing import TYPE_CHECKING
 
+from ncgear.design.words import listed
 from ncgear.drivetrain.bearings import MOST_OF_RATING
 from ncgear.drivetrain.shafts import LEAST_SAFETY
 from ncgear.errors import NoSuchMechanism
 from ncgear.figures.advice.values import Advice, Kind, NotJudged, Remedy
 from ncgear.figures.numbers import five_digits, fixed, placed, to_digits
-from ncgear.numerics.bounds import shown_above, shown_below
+from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
 from ncgear.project.drive import Drive
 
@@ -35,6 +36,7 @@ def around(drive: Drive) -> Iterator[Advice | NotJudged]:
             yield from _of_bearings(named, shaft, found.wanted.hours)
             yield from _of_shaft(named, shaft)
             yield from _of_jam(named, shaft)
+    yield from _of_keys(drive.design.shafts, found.shafts)
     yield from _of_crank(drive)
     if found.pto:
         yield from _of_pto(found.pto, N_M_PER_N_MM * found.demand.torque_range_n_mm[1].value)
@@ -73,7 +75,7 @@ def motor_without_teeth(drive: Drive) -> Iterable[Advice | NotJudged]:
     if not _behind_gearbox(drive):
         return _of_simulated(drive)
     least, most = motor_within(drive)
-    if _faults(least) == _faults(most):
+    if least.faults == most.faults:
         return _of_motor(drive, least, most)
     return (*_of_motor(drive, least, most), NotJudged("the friction between the teeth decides: ncgear build"))
 
@@ -180,10 +182,16 @@ def _of_shaft(shaft: NamedShaft, found: ShaftResult) -> Iterator[Advice]:
                 else _thicker(shaft, found.enough_mm),
             )
     yield from _crushed(shaft, found.key)
-    if found.key is not None and found.key.both_senses:
-        yield _advice(
-            f"the torque of the {shaft.words} changes its sense, for which the pressure on its key is no proof",
-            "the gear needs a fit without play",
+
+
+def _of_keys(named: Sequence[NamedShaft], found: Sequence[ShaftResult | None]) -> Iterator[NotJudged]:
+    """The keys that work in their ways, of which the pressure tells too little, be it ever so low."""
+    both = zip(named, found, strict=True)
+    turned = [one.words for one, shaft in both if shaft and shaft.key and shaft.key.both_senses]
+    if turned:
+        yield NotJudged(
+            f"the torque of the {listed(turned, 'and')} changes its sense, for which the pressure on a key is no "
+            "proof: gears need a fit without play"
         )
 
 
@@ -208,36 +216,24 @@ def _of_jam(shaft: NamedShaft, found: ShaftResult) -> Iterator[Advice]:
     yield from _crushed(shaft, found.jammed_key, "in a jam ")
 
 
-def _faults(found: MotorResult) -> set[str]:
-    """What a motor behind a gearbox does not do, with so much friction between the teeth."""
-    from ncgear.project.motor import OFF_SPEED
-
-    given, course = found.given, found.course
-    if found.stops:
-        return {"stops"}
-    peak, turns = given.peak_torque_n_m, found.load.speed_rad_s / RAD_S_PER_RPM
-    tests = {
-        "hot": found.rms_n_m > given.rated_torque_n_m,
-        "weak": peak is not None and found.most_n_m > peak,
-        "fast": course is None and turns > (1.0 + OFF_SPEED) * given.rated_speed_rpm,
-        "off speed": course is not None and abs(course.mean_rad_s / found.demand.speed_rad_s - 1.0) > OFF_SPEED,
-    }
-    return {fault for fault, true in tests.items() if true}
-
-
 def _of_motor(drive: Drive, found: MotorResult, most: MotorResult) -> Iterator[Advice]:
     """The motor behind a gearbox: what it does not do, be there no friction between teeth or the ``most``.
 
-    Values that do are for both; with the friction between teeth as they are, both are the same.
+    The motor that does is told once, and was tried with both; with the friction between teeth as they are, both are
+    the same.
     """
     from ncgear.project.motor import fitting_geared, told_words
 
-    given, course, wanted_rad_s = found.given, found.course, found.demand.speed_rad_s
-    faults = _faults(found) & _faults(most)
-    if "stops" in faults:
-        helps = told_words(fitting_geared(drive.design, most))
-        yield _advice(found.stops.rpartition("; ")[0], helps, Kind.MOTOR)
-        return
+    if faults := found.faults & most.faults:
+        helps = told_words(fitting_geared(drive.design, [found] if found is most else [found, most]))
+        first, *others = _motor_words(found, most, faults)
+        yield _advice(first, helps, Kind.MOTOR)
+        yield from (_advice(one, kind=Kind.MOTOR) for one in others)
+
+
+def _motor_words(found: MotorResult, most: MotorResult, faults: set[str]) -> Iterator[str]:
+    """What a motor does not do, with its numbers, the most serious first."""
+    given, course, peak = found.given, found.course, found.given.peak_torque_n_m
 
     def gives(one: float, other: float) -> str:
         if found is most:
@@ -245,37 +241,20 @@ def _of_motor(drive: Drive, found: MotorResult, most: MotorResult) -> Iterator[A
         ends = f"{to_digits(one, 4)} N m without friction between the teeth", f"{to_digits(other, 4)} N m with the most"
         return " and ".join(ends) + " there can be"
 
-    rated, peak, largest = given.rated_torque_n_m, given.peak_torque_n_m, max(found.most_n_m, most.most_n_m)
+    if "stops" in faults:
+        yield found.stops.rpartition("; ")[0]
     if "hot" in faults:
-        needed = max(max(one.rms_n_m, N_M_PER_N_MM * one.load.rms_n_mm) for one in (found, most))
-        # No file may give a peak torque below the rated one
-        also = "" if peak is None or peak > needed else f" and {_at_least('peak_torque_n_m', max(largest, needed))}"
-        yield _advice(
-            f"the motor gives, r.m.s., {gives(found.rms_n_m, most.rms_n_m)}, more than its rated {rated:g} N m",
-            _at_least("drivetrain.motor.rated_torque_n_m", needed) + also + ", or a larger ratio or flywheel",
-            Kind.MOTOR,
-        )
+        rms, rated = gives(found.rms_n_m, most.rms_n_m), given.rated_torque_n_m
+        yield f"the motor gives, r.m.s., {rms}, more than its rated {rated:g} N m"
     if "weak" in faults:
-        yield _advice(
-            f"the motor gives up to {gives(found.most_n_m, most.most_n_m)}, more than its {peak:g} N m",
-            _at_least("drivetrain.motor.peak_torque_n_m", largest),
-            Kind.MOTOR,
-        )
+        yield f"the motor gives up to {gives(found.most_n_m, most.most_n_m)}, more than its {peak:g} N m"
     if "fast" in faults:
-        turns, rated_rpm = found.load.speed_rad_s / RAD_S_PER_RPM, given.rated_speed_rpm
-        slower = given.gearbox.ratio * rated_rpm / turns
-        yield _advice(
-            f"the motor turns at {to_digits(turns, 4)} r/min, faster than the {rated_rpm:g} r/min of its rated torque",
-            f"drivetrain.motor.gearbox.ratio: {shown_below(slower, 4)} or less",
-            Kind.MOTOR,
-        )
+        turns, rated = to_digits(found.turns_rpm, 4), given.rated_speed_rpm
+        yield f"the motor turns at {turns} r/min, faster than the {rated:g} r/min of its rated torque"
     if course is not None and "off speed" in faults:
-        ratio = given.gearbox.ratio * course.mean_rad_s / wanted_rad_s
-        yield _advice(
+        yield (
             f"with this motor and gearbox the machine runs at {_rpm(course.mean_rad_s)} r/min, not at "
-            f"operation.speed_rpm: {_rpm(wanted_rad_s)}; all else is told for that speed",
-            f"drivetrain.motor.gearbox.ratio: {to_digits(ratio, 4)}",
-            Kind.MOTOR,
+            f"operation.speed_rpm: {_rpm(found.demand.speed_rad_s)}; all else is told for that speed"
         )
 
 

@@ -91,6 +91,7 @@ def negative_resistance(drive: Drive, returning: bool) -> Advice | None:
     ends = [[to_digits(place.factor * end, 3) for end in stretch] for stretch in stretches]
     named = ", ".join(f"{low}..{high}" for low, high in ends)
     kept, rule = resistance.keep_negative, f"{key}.where_negative"
+    drives = f", where it drives the {drive.linkage.OUTPUT.name}" if kept else ""
     other = "take it as zero there" if kept else "count it, where the load really pulls the slider"
     remedies = (
         Remedy("give a resistance that is nowhere under zero, as a table or a formula"),
@@ -99,7 +100,7 @@ def negative_resistance(drive: Drive, returning: bool) -> Advice | None:
     return Advice(
         Kind.NEGATIVE_RESISTANCE,
         f"the resistance{way} is negative in places and {'kept' if kept else 'taken as zero there'}",
-        f"for displacements of {named} {place.text}{', where it drives the slider' if kept else ''}",
+        f"for displacements of {named} {place.text}{drives}",
         () if is_given(drive.design, rule) else remedies,
         matters=not is_given(drive.design, rule),
     )
@@ -233,7 +234,7 @@ def _beside_own_shaft(drive: Drive, part: str, radius_mm: float, pin_mm: float) 
 def _below(drive: Drive, words: str) -> Remedy:
     """A driving shaft that ends below what moves; only words where the file says that it goes through."""
     change = Change("fit.driving_shaft", "ends")
-    return Remedy(words, () if is_given(drive.design, change.key) else (change,), short=str(change))
+    return Remedy(words, () if is_given(drive.design, change.key) else (change,))
 
 
 def rods(drive: Drive) -> list[Advice | NotJudged]:
@@ -359,8 +360,7 @@ def optimised(drive: Drive, **limits: float | bool) -> tuple[Remedy, ...]:
     if not all(_as_tight(key, value, limits[key]) for key, value in given.items()) or not drive.linkage.RETURNS:
         return ()
     changes = changed({f"optimize.limits.{key}": value for key, value in limits.items() if key not in given})
-    words = "let the best law within this limit be found" if changes else "let the best law within its limits be found"
-    return (Remedy(words, changes, OPTIMIZE, short=OPTIMIZE),)
+    return (Remedy("let the best law within this limit be found" if changes else OPTIMIZE, changes, OPTIMIZE),)
 
 
 def _as_tight(key: str, given: float | bool | None, wanted: float | bool) -> bool:

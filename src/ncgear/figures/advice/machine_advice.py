@@ -91,8 +91,7 @@ def _other_lengths(drive: Drive, least_rad: float, end_rad: float) -> Iterator[R
             if value := _enough(drive, key, length, sign * FARTHEST, least_rad, end_rad):
                 found.append((key == linkage.STROKE_KEY, abs(log(value / length)), key, value))
     for _, _, key, value in sorted(found):
-        text = f"linkage.{key}: {to_digits(value, 6)}"
-        yield Remedy(f"take another length ({text})", short=text)
+        yield Remedy(f"linkage.{key}: {to_digits(value, 6)}")
 
 
 def _enough(drive: Drive, key: str, length: float, way: float, least_rad: float, end_rad: float) -> float | None:
@@ -149,9 +148,9 @@ def bodies(drive: Drive) -> Advice | None:
     return None
 
 
-ASK_BUILD = Remedy("let ncgear build say what would help", short="ncgear build")
+ASK_BUILD = Remedy("ncgear build")
 
-FIT = Remedy("let ncgear fit find the nearest pitch curve whose gears can be made", short="ncgear fit")
+FIT = Remedy("ncgear fit")
 
 
 def _nearest(drive: Drive) -> tuple[Remedy, ...]:
@@ -184,7 +183,7 @@ def missed_wishes(drive: Drive) -> Advice | None:
         Kind.MISSED_WISH,
         f"{count} missed: {', '.join([*shortly, *more])}",
         f"the {drive.linkage.OUTPUT.name} moves otherwise than is wished: {named}",
-        (Remedy("let ncgear optimize look for a law that keeps every hard wish", short="ncgear optimize"),),
+        (Remedy("ncgear optimize"),),
     )
 
 

@@ -65,8 +65,7 @@ def strength(drive: Drive) -> Advice | NotJudged | None:
         f"{first.wanted:g} wanted",
         f"under {load} tooth {first.tooth} of the {first.gear.value} gear has {to_digits(first.stress_mpa, 3)} MPa at "
         f"phi1 = {placed(at)} deg and endures {to_digits(first.endured_mpa, 3)} MPa{also}: "
-        f"{'teeth break' if first.damage is Damage.BENDING else 'flanks pit'} before the wanted life ends; "
-        "ncgear strength computes what would do",
+        f"{'teeth break' if first.damage is Damage.BENDING else 'flanks pit'} before the wanted life ends",
         (
             # Shafts tell what crowned flanks help
             *((CROWNED,) if drive.face_loading.basis == "computed" else ()),
@@ -170,12 +169,12 @@ def _rough_remedies(drive: Drive, found: RoughStrength) -> tuple[Remedy, ...]:
     sizes = tuple(replace(one, search=None) for one in _sizes(drive, wider, larger))
     if not found.unjudged:
         return sizes
-    return tuple(one for one in sizes if one.short != SIZE) or (TOGETHER,)
+    return tuple(one for one in sizes if one.text != SIZE) or (TOGETHER,)
 
 
-CROWNED = Remedy("crown the flanks along the width", short="crowned flanks", search=RemedySearch.CROWNED)
+CROWNED = Remedy("crown the flanks along the width", search=RemedySearch.CROWNED)
 
-HELICAL = Remedy("cut helical teeth", short="helical teeth", search=RemedySearch.HELICAL)
+HELICAL = Remedy("cut helical teeth", search=RemedySearch.HELICAL)
 
 
 def _sizes(drive: Drive, wider: float, larger: float) -> tuple[Remedy, ...]:
@@ -192,12 +191,9 @@ def _sizes(drive: Drive, wider: float, larger: float) -> tuple[Remedy, ...]:
         )
     found = [_together(drive)]
     if module <= SERIES_I_MM[-1]:
-        about = f"roughly {shown_above(module, 2)} mm"
-        words = f"take a module of {about} with as many teeth"
-        found.insert(0, Remedy(words, short=f"module {about}", search=RemedySearch.LARGER))
+        found.insert(0, Remedy(f"module roughly {shown_above(module, 2)} mm", search=RemedySearch.LARGER))
     if width <= WIDEST_MODULES * size.module_mm:
-        about = f"roughly {shown_above(width, 2)} mm"
-        found.insert(0, Remedy(f"make the gears {about} wide", short=f"face width {about}", search=RemedySearch.WIDER))
+        found.insert(0, Remedy(f"face width roughly {shown_above(width, 2)} mm", search=RemedySearch.WIDER))
     return tuple(found)
 
 
@@ -221,10 +217,7 @@ CUT = "other changes may do, too: trials end after {seconds:g} s of processor ti
 
 def _together(drive: Drive) -> Remedy:
     """Several sizes at once; they are not searched for where two pairs of gears share them."""
-    if drive.stage is None:
-        return Remedy(f"let {SIZE} find module, teeth and face width together", short=SIZE)
-    words = "change material, module and face width together; all stages share them"
-    return Remedy(words, short="material, module and face width together")
+    return Remedy(SIZE if drive.stage is None else "material, module and face width together, of all stages")
 
 
 LOADS_UNKNOWN = "the loads of the teeth are not followed"
@@ -256,7 +249,7 @@ def flanks(drive: Drive) -> Iterator[Advice | NotJudged]:
         yield NotJudged(why)
 
 
-LARGER_GEARS = Remedy("take larger gears, which press their flanks less", short="larger gears")
+LARGER_GEARS = Remedy("take larger gears, which press their flanks less")
 
 
 def _scuffing(film: Film, found: Surfaces, safety: float, wanted: float) -> Advice:
@@ -266,16 +259,16 @@ def _scuffing(film: Film, found: Surfaces, safety: float, wanted: float) -> Advi
         f"the flanks scuff: safety {told}, {wanted:g} wanted",
         f"contacts reach {fixed(film.hottest_c, 0)} deg C at {place_words(film.flash_k)}, and the oil fails at "
         f"{fixed(found.scuffing_c or 0.0, 0)} deg C: flanks weld and tear where they slide under load, at once",
-        (Remedy("take an oil of a higher FZG load stage", short="an oil of a higher FZG load stage"), LARGER_GEARS),
+        (Remedy("take an oil of a higher FZG load stage"), LARGER_GEARS),
     )
 
 
 def _wear(wear: Wear, drive: Drive) -> Advice:
     gear, deepest = max(zip(Gear, wear.depth_mm, strict=True), key=lambda one: one[1].value)
     worn = dict(zip(Gear, choices_of(drive.gears), strict=True))[gear].entry
-    cures = [Remedy("let oil part the flanks", short="oil")] if drive.conditions.lubrication == "dry" else []
+    cures = [Remedy("let oil part the flanks")] if drive.conditions.lubrication == "dry" else []
     if isinstance(worn, Ferrous) and not worn.group.hardened:
-        cures.append(Remedy("harden the flanks", short="hardened flanks"))
+        cures.append(Remedy("harden the flanks"))
     return Advice(
         Kind.FLANKS,
         f"the flanks wear away: a tenth of the module in about {hours_words(wear.life_h)}, "
@@ -328,9 +321,7 @@ def _resonance(drive: Drive, told: ToldVibration | None) -> Iterator[Advice]:
         f"teeth part and hammer, and gears howl; K_V, {factor} at the largest load, is least sure there, and is for "
         "gears that stay in the resonance",
         (
-            Remedy(
-                f"run under {shown_below(low, 2)} r/min or over {shown_above(high, 2)} r/min", short="another speed"
-            ),
-            Remedy("take lighter gears, or fewer and larger teeth, which pass more slowly", short="fewer teeth"),
+            Remedy(f"run under {shown_below(low, 2)} r/min or over {shown_above(high, 2)} r/min"),
+            Remedy("take lighter gears, or fewer and larger teeth, which pass more slowly"),
         ),
     )

@@ -12,7 +12,7 @@ from ncgear.contact.designed.as_designed import SideContact
 from ncgear.contact.placement import BACK, PUSHING
 from ncgear.errors import DesignError
 from ncgear.figures.advice.law_advice import STEEPEST_DEG
-from ncgear.figures.advice.tried_advice import FINER, FLATTER
+from ncgear.figures.advice.tried_advice import CLOSER, FINER, FLATTER
 from ncgear.figures.advice.values import Advice, Change, Kind, NotJudged, Remedy, changed
 from ncgear.figures.data_sheet.entries import limit_words
 from ncgear.figures.numbers import MICRORAD, micrometres, placed, teeth_words, to_digits
@@ -29,7 +29,7 @@ from ncgear.project.alternatives import (
     steeper_rack,
 )
 from ncgear.project.drive import Drive
-from ncgear.project.tolerance_limits import MOST_JAMMED, Jamming, jamming_of
+from ncgear.project.tolerance_limits import MOST_JAMMED, Jamming, backlash_key, jamming_of
 from ncgear.project.tooth_form import thickness_limits_mm
 from ncgear.teeth.gear import ToothedGear
 from ncgear.teeth.lost import Loss, shortening, undercutting
@@ -115,7 +115,13 @@ def pointed(drive: Drive) -> Advice | None:
     what = f"the tips of {_counted(found)} are shortened: their lands would be under {least:g} modules wide"
     meaning = "a sharp tip chips when hardened and wears fast, so it ends lower; the contact is shorter for it"
     lower = (Remedy("make all teeth so low", changed(blunt)),) if (blunt := blunt_addendum(drive)) else ()
-    return _judged(drive, Advice(Kind.POINTED, what, meaning, (*lower, FINER)), _named(found), found)
+    ways_out = (*lower, *_closer(drive), FINER)
+    return _judged(drive, Advice(Kind.POINTED, what, meaning, ways_out), _named(found), found)
+
+
+def _closer(drive: Drive) -> tuple[Remedy, ...]:
+    """Less backlash, which leaves thicker teeth, where there is any."""
+    return (CLOSER,) if getattr(drive.gears, backlash_key(drive.gears)) else ()
 
 
 def shortened(drive: Drive) -> list[Advice]:
@@ -126,7 +132,7 @@ def shortened(drive: Drive) -> list[Advice]:
         if found:
             short, _, since = words.partition(", ")
             what, meaning = f"the tips of {_counted(found)} are shortened: {short}", "their contact is shorter"
-            ways_out = (FLATTER if reason is Limit.HELIX else FINER,)
+            ways_out = (FLATTER,) if reason is Limit.HELIX else (*_closer(drive), FINER)
             named = f"{since}: {_named(found)}" if since else _named(found)
             advices.append(_judged(drive, Advice(Kind.SHORTENED, what, meaning, ways_out), named, found))
     return advices
@@ -228,7 +234,7 @@ def thrust(drive: Drive) -> Advice | None:
     )
 
 
-SPREAD = Remedy("smaller bends, or bends to both sides, spread the row", short="smaller bends, or bends to both sides")
+SPREAD = Remedy("smaller bends, or bends to both sides, spread the row")
 
 
 def room(drive: Drive) -> list[Advice]:
@@ -241,10 +247,7 @@ def room(drive: Drive) -> list[Advice]:
 
 NEARLY_ALL = 0.995
 
-OTHER_WAYS = Remedy(
-    "take finer tolerances or larger teeth: so much backlash would leave no teeth",
-    short="finer tolerances or larger teeth",
-)
+OTHER_WAYS = Remedy("take finer tolerances or larger teeth: so much backlash would leave no teeth")
 
 
 def jams(drive: Drive) -> Advice | NotJudged | None:

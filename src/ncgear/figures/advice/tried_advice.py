@@ -24,9 +24,11 @@ from ncgear.project.strengthening import (
     wide_enough,
 )
 
-FINER = Remedy("try more teeth of a smaller module", short="try more, smaller teeth", search=RemedySearch.FINER)
+FINER = Remedy("try more teeth of a smaller module", search=RemedySearch.FINER)
 
-FLATTER = Remedy("try a smaller helix angle", short="try a smaller helix angle", search=RemedySearch.FLATTER)
+FLATTER = Remedy("try a smaller helix angle", search=RemedySearch.FLATTER)
+
+CLOSER = Remedy("try less backlash", search=RemedySearch.CLOSER)
 
 MOST_SECONDS = 5.0
 """Most processor time of the trials of one verdict: who waits for it does not wait longer."""
@@ -81,16 +83,15 @@ def enough(search: RemedySearch, drive: Drive, rating: Rating) -> Remedy | None:
     return Remedy(words, changed(changes)) if changes else None
 
 
-def _of_teeth(remedy: Remedy, search: RemedySearch, again: Good, drive: Drive, seconds: float) -> Remedy:
-    """More teeth, or helical ones of a smaller angle; says up to where none does, where none was found."""
-    from ncgear.project.finer import fewest_teeth, steepest_helix
+def _of_teeth(remedy: Remedy, search: RemedySearch, again: Good, drive: Drive, seconds: float) -> Remedy | None:
+    """More teeth, helical ones of a smaller angle, or less backlash; None where none helps of all that were tried."""
+    from ncgear.project.finer import fewest_teeth, most_backlash, steepest_helix
 
-    found = (fewest_teeth if search is RemedySearch.FINER else steepest_helix)(drive, again, seconds)
+    tried = {RemedySearch.FINER: fewest_teeth, RemedySearch.FLATTER: steepest_helix, RemedySearch.CLOSER: most_backlash}
+    found = tried[search](drive, again, seconds)
     if found.changes:
         return Remedy(f"take {search}", changed(found.changes))
-    if not found.beyond:
-        return remedy
+    if found.is_whole:
+        return None
     last = ", ".join(map(str, changed(found.beyond)))
-    if not found.is_whole:
-        return Remedy(f"{remedy.text} than {last}, which does not do", short=f"{remedy.short} than {last}")
-    return Remedy(f"{search}: tried up to {last}, and none helps")
+    return Remedy(f"{remedy.text} than {last}, which does not do") if last else remedy

@@ -73,6 +73,7 @@ class RemedySearch(StrEnum):
 
     FINER = "more, smaller teeth"
     FLATTER = "a smaller helix angle"
+    CLOSER = "less backlash"
     CROWNED = "crowned flanks"
     WIDER = "a wider face"
     LARGER = "a larger module"
@@ -84,21 +85,20 @@ class RemedySearch(StrEnum):
 class Remedy:
     """One way to cure what an advice tells: words, changes of the design file, and the command to run after them.
 
-    ``command`` is empty where the changes are enough.  ``short`` is a text that is short enough for a part of a line.
+    ``command`` is empty where the changes are enough.
     ``search`` says which trials tell a value, or a better one; None where none is left to be told.
     """
 
     text: str
     changes: tuple[Change, ...] = ()
     command: str = ""
-    short: str = ""
     search: RemedySearch | None = None
 
     @property
     def brief(self) -> str:
         """The remedy in a few words: its changes and command or, where it has none, its text."""
         if not self.changes:
-            return self.short or self.text
+            return self.text
         taken = ", ".join(map(str, self.changes))
         return f"{taken}, then {self.command}" if self.command else taken
 

@@ -7,7 +7,7 @@ files are, what to do next.  Every figure beyond that is printed with ``--verbos
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from itertools import accumulate, chain
 from pathlib import Path
@@ -102,12 +102,21 @@ def difference(own: float, other: float) -> str:
 
 def faults_of(verdict: Verdict) -> tuple[Fault, ...]:
     """What breaks conditions, the most serious first, each behind the name of its stage."""
-    return tuple(
+    return told_once(
         Fault(f"{row.of}{advice.what}", tuple(remedy.brief for remedy in advice.remedies))
         for row in verdict.rows
         for advice in row.advices
         if advice.matters
     )
+
+
+def told_once(faults: Iterable[Fault]) -> tuple[Fault, ...]:
+    """The faults, each remedy with the first that it helps."""
+    told, found = set[str](), list[Fault]()
+    for fault in faults:
+        found.append(replace(fault, cures=tuple(cure for cure in fault.cures if cure not in told)))
+        told |= set(fault.cures)
+    return tuple(found)
 
 
 def answer_text(answer: Answer, paths: Sequence[Path] = (), kept: Sequence[Path] = ()) -> str:

@@ -13,7 +13,7 @@ from ncgear.design.rewritten import told_copy
 from ncgear.figures.advice.drivetrain_advice import around
 from ncgear.figures.advice.values import Advice, Kind, Remedy, changed, in_file
 from ncgear.figures.advice.verdict import State, Verdict
-from ncgear.figures.answers.answer import Answer, Fault, Row, faults_of
+from ncgear.figures.answers.answer import Answer, Fault, Row, faults_of, told_once
 from ncgear.figures.answers.machine import gear_rows
 from ncgear.figures.flanks import hours_words, surfaces_rows, vibration_of_rating, vibration_words
 from ncgear.figures.numbers import known, shown, teeth_words, to_digits
@@ -68,13 +68,15 @@ def strength_answer(
         rows += _rows(pair.of, rating, other)
         cures = [remedy.brief for remedy in remedies]
         under = sorted((one for one in rating.weakest if not one.holds), key=lambda one: one.share)
-        for place, one in enumerate(under):
+        for one in under:
             what = f"{pair.of}{one.gear.value} gear, {one.damage.words}: {teeth_words(one.too_weak)}"
-            weak.append((one.share, Fault(what, tuple(cures[place:]))))
+            # Each remedy helps all teeth of its pair
+            weak.append((one.share, Fault(what, tuple(cures) if one is under[0] else ())))
         about += _about(pair, rating)
         lasting += [Row(f"{pair.of}{name}", (words,)) for name, words in worn_rows(pair, worn)]
         worn_out += [] if under else [Fault(f"{pair.of}{fault}") for fault in worn_fault(worn)]
-    design, faults = drive.design, [*(fault for _, fault in sorted(weak, key=lambda one: one[0])), *worn_out]
+    design = drive.design
+    faults = [*told_once(fault for _, fault in sorted(weak, key=lambda one: one[0])), *worn_out]
     others = faults_of(verdict.without(Kind.STRENGTH))
     judged = all(row.state is not State.NOT_JUDGED for row in verdict.rows if row.kind is Kind.STRENGTH)
     held = holding_words(wears=any(rating.strength.wears for _, rating, *_ in pairs), judged=judged)
