@@ -133,6 +133,7 @@ def test_a_machine_is_asked_for_its_stroke_its_speed_and_wishes(tmp_path: Path) 
     assert "speed of the driving gear in r/min [40]" in shown
     assert "teeth of" not in shown
     design = load(tmp_path / "mine.yaml").design
+    assert design.strength.application_factor == 1.5
     assert (design.linkage.crank_mm, design.linkage.rod_mm, design.operation.speed_rpm) == (100, 346.7, 40)
     assert design.wishes is not None
     assert design.wishes.dwell == (Dwell(at="extended", within_mm=1, for_deg=15),)
