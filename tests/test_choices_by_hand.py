@@ -83,6 +83,7 @@ def test_a_rough_mesh_has_levers_play_and_stiffness_of_both_sides(monkeypatch: p
         play=Made(thicker_mm=0.02, driven_rad=0.01),
         running=Made(face_width_mm=5.0, module_mm=2.0),
         rack=Made(angles_rad=(0.3, 0.4)),
+        design=Made(simulation=Made(damping_n_s_mm=None, full_damping_depth_mm=None)),
     )
     # The mean of springs of 10 and 20 under 2 and 4 N/mm, weighted by these: all deflections of 0.2 mm.
     mean = (4.0 + 16.0) / (4.0 / 10.0 + 16.0 / 20.0)

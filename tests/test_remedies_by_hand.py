@@ -160,15 +160,17 @@ def test_a_mesh_swings_by_the_stiffness_and_mass_of_its_positions(monkeypatch: p
     monkeypatch.setattr(vibration, "swings", lambda mesh, speeds: Made(load_factor=speeds))
     given: Any = Made(reduced_kg=lambda phi: np.full(phi.size, 0.2))
     speeds = np.array([1.0, 2.0])
-    assert vibration._load_factor(Made(), given, loads, speeds) is speeds
-    phi1, cycle, stiffness, inertia, error, torque, _ = made[0]
+    drive: Any = Made(design=Made(simulation=Made(damping_ratio=0.03)))
+    assert vibration._load_factor(drive, given, loads, speeds) is speeds
+    phi1, cycle, stiffness, inertia, error, torque, damping = made[0]
+    assert damping == 0.03
     assert (phi1.tolist(), cycle) == ([0.1, 0.3], 2.0 * pi)
     assert stiffness == pytest.approx([150.0 * 9.0, 70.0 * 9.0])
     # 1 kg is 1e-3 N s2/mm.
     assert inertia == pytest.approx([0.2e-3 * 9.0] * 2)
     assert (error.tolist(), torque.tolist()) == ([0.01, 0.03], [5.0, 7.0])
     contacts.side = np.array([0, 1, 0])
-    assert vibration._load_factor(Made(), given, loads, speeds) is None
+    assert vibration._load_factor(drive, given, loads, speeds) is None
 
 
 def test_numbers_of_teeth_and_helix_angles_are_tried_in_their_steps(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -305,7 +305,8 @@ def test_the_deeper_of_two_parts_tells_how_deep_they_are_in_each_other() -> None
         [a + side[:, None] * (b - a) for a, b in zip(corners, np.roll(corners, -1, 0), strict=True)]
     )
     turn = np.exp(1j * pi / 4.0)
-    deep, gap = _Meeting(square, square, ring=False).at(5.0 + 5.0 * np.sqrt(2.0) - 1.0, turn)
+    meeting, place = _Meeting(square, square, ring=False), 5.0 + 5.0 * np.sqrt(2.0) - 1.0
+    deep, gap = meeting.depth_mm(place, turn), meeting.gap_mm(place, turn)
     assert (deep, gap) == (pytest.approx(1.0, abs=1e-9), pytest.approx(0.0, abs=1e-9))
 
 

@@ -18,7 +18,7 @@ from ncgear.design.space import MOST_DESIGNS, MOST_VALUES
 from ncgear.design.template import template
 from ncgear.files import sweep as files
 from ncgear.project.drive import Drive
-from ncgear.screening.deeper import deepened
+from ncgear.screening.deeper import deepened, deeper_names
 from ncgear.screening.designs import MADE, Designs
 from ncgear.screening.rows import single_figures
 
@@ -322,10 +322,11 @@ def test_designs_with_the_teeth_of_the_design_before_have_the_figures_that_they_
     )
     data, count = parsed(PUMP, Path("pump")).data, len(rows)
     every = Designs(np.arange(count), dict(zip(keys, rows.T, strict=True)), {}, np.full(count, MADE, dtype=object))
-    together = deepened(data, 1, "strength", every)
+    names = deeper_names(parsed(PUMP, Path("pump")).design, "strength")
+    together = deepened(data, names, "strength", every)
     assert together.made.all()
     for number in range(count):
-        alone = deepened(data, 1, "strength", every.at(np.array([number]))).figures
+        alone = deepened(data, names, "strength", every.at(np.array([number]))).figures
         assert {name: column[number] for name, column in together.figures.items()} == {
             name: column[0] for name, column in alone.items()
         }

@@ -22,7 +22,7 @@ from ncgear.ratio.transmission import Lobes
 from ncgear.teeth.gear import ToothedPair
 from ncgear.trains import path_search
 from ncgear.trains.contact import contacts_of, distances_of
-from ncgear.trains.loads import JointForces, PutMass, TrainLoads, loads_of
+from ncgear.trains.loads import PutMass, TrainForces, TrainLoads, loads_of
 from ncgear.trains.path_search import PathLimits, burden, crowding, found_motion, pair_figures, tool_mount
 from ncgear.trains.planetary import shared_chain
 from ncgear.trains.planetary_told import told_of
@@ -368,7 +368,7 @@ def test_a_counterweight_is_told_that_takes_a_tenth_off(left: float, balanced: b
     )
     pair = sized_pair(uniform_law(Lobes()), 20, 4.0, None)
     forces = {"planet_1": 3.0 * wave, "planet_2": -9.0 * wave, "idler_1": 1j * wave}
-    joints = JointForces({("sun", "idler_1"): 4.0 * wave, ("sun", "idler_2"): 2.0 * wave}, forces)
+    joints = TrainForces({("sun", "idler_1"): 4.0 * wave, ("sun", "idler_2"): 2.0 * wave}, forces)
     told = told_of(carried(), "compound", (pair, pair), radians(20.0), None, None, 0.0, (loads, joints))
     found = told.figures
     assert found["tooth_forces_max_n"] == pytest.approx({"sun and idler": 4.0})

@@ -146,7 +146,9 @@ def _crank_mm(answers: Mapping[str, float], usual: Mapping[str, float]) -> float
 def _values(document: Document, beginning: Beginning, answers: Mapping[str, float]) -> Iterator[tuple[str, Any]]:
     """The values that differ from the values of the text, by dotted key."""
     usual, own = usual_answers(beginning), proportioned(answers, beginning)
-    keys = {answer: key for answer, key in ANSWERS.items() if answer in answers or document.at(key) is not None}
+    keys = {answer: key for answer, key in ANSWERS.items() if document.at(key) is not None}
+    if "application_factor" in answers:
+        keys["application_factor"] = ANSWERS["application_factor"]
     yield from ((key, own[answer]) for answer, key in keys.items() if own[answer] != usual.get(answer))
     longer, faster = (own[one] / usual[one] for one in ("crank_mm", "speed_rpm"))
     if (longer, faster) != (1.0, 1.0):

@@ -18,6 +18,7 @@ from ncgear.dynamics.history import PER_TURN, History, even_times_s, history, pa
 from ncgear.dynamics.level import Level
 from ncgear.dynamics.loaded_machine import Loads
 from ncgear.figures.advice.drivetrain_advice import SMOOTH_GUIDE
+from ncgear.figures.advice.strength_advice import pressed_in_time
 from ncgear.figures.advice.teeth_advice import parted_in_time
 from ncgear.figures.advice.verdict import KnownParts, Verdict, judged
 from ncgear.figures.csv_text import csv_text
@@ -204,6 +205,8 @@ def simulate(drive: Drive, level: Level) -> Simulated:
             parted_in_time(*parted, float(time_s[-1] - time_s[0])),
             *([SMOOTH_GUIDE] if drive.rigid.machine.guide_friction else []),
         ]
+        pressed = pressed_in_time(drive, max(moved["peak_pushing_force_n"], moved["peak_back_force_n"]))
+        found += [pressed] if pressed else []
     verdict = judged(drive, KnownParts.TEETH if with_teeth else KnownParts.MOTION, found, seconds=0.0)
     return Simulated(table, {**figures, **verdict_summary(verdict)}, pictures, verdict)
 

@@ -70,7 +70,7 @@ class TrainLoads:
 
 
 @dataclass(frozen=True, eq=False)
-class JointForces:
+class TrainForces:
     """Forces in N at the driving angles of ``TrainLoads``: complex numbers in the frame of the ground, shape (n,) each.
 
     ``teeth_n`` has the force of the first part's teeth on the second's for each mesh, by the names of both parts;
@@ -225,7 +225,7 @@ def turning_load(
 
 def joint_forces(
     train: Train, rack_rad: float, density_kg_m3: float, put: Sequence[PutMass], gravity_mm_s2: complex
-) -> JointForces:
+) -> TrainForces:
     """Forces of teeth and axes of a planetary train whose teeth have the rack's pressure angle ``rack_rad``.
 
     The moments about a body's axis give the force in its last mesh that is not known yet; its axis bears what is left
@@ -260,7 +260,7 @@ def joint_forces(
         for name in force.keys() & sides.keys():
             force[name] = force[name] - sides[name] * found
             moment[name] = moment[name] - sides[name] * ((point - axes[train.number(name)]).conj() * found).imag
-    return JointForces(teeth, {name: one / MM_PER_M for name, one in force.items()})
+    return TrainForces(teeth, {name: one / MM_PER_M for name, one in force.items()})
 
 
 def _bodies(train: Train, mesh: GearMesh) -> tuple[str, str]:

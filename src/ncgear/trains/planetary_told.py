@@ -12,7 +12,7 @@ from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.plane import as_complex
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
-from ncgear.trains.loads import JointForces, TrainLoads
+from ncgear.trains.loads import TrainForces, TrainLoads
 from ncgear.trains.path_search import tool_mount
 from ncgear.trains.tip_path import TipMotion, WishedPath, distances_mm
 from ncgear.trains.train import Train, TrainCondition, TrainFigures
@@ -34,7 +34,7 @@ def told_of(
     wished: WishedPath | None,
     motion: TipMotion | None,
     forward_mm_s: float,
-    loads: tuple[TrainLoads, JointForces] | None,
+    loads: tuple[TrainLoads, TrainForces] | None,
     pace: Array | None = None,
 ) -> TrainFigures:
     """Figures and conditions of a train, from the pairs of one arm, the pair of the sun first.
@@ -114,7 +114,7 @@ WORTH = 0.1
 
 def _of_loads(
     loads: TrainLoads,
-    joints: JointForces,
+    joints: TrainForces,
 ) -> tuple[list[tuple[str, str]], dict[str, Any], tuple[TrainCondition, ...]]:
     """The torque of the carrier, the forces of teeth, axes and frame, and whether a counterweight helps."""
     low, high = loads.swing_n_m

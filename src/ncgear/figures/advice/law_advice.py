@@ -234,7 +234,7 @@ def _beside_own_shaft(drive: Drive, part: str, radius_mm: float, pin_mm: float) 
 def _below(drive: Drive, words: str) -> Remedy:
     """A driving shaft that ends below what moves; only words where the file says that it goes through."""
     change = Change("fit.driving_shaft", "ends")
-    return Remedy(words, () if is_given(drive.design, change.key) else (change,))
+    return Remedy(str(change)) if is_given(drive.design, change.key) else Remedy(words, (change,))
 
 
 def rods(drive: Drive) -> list[Advice | NotJudged]:

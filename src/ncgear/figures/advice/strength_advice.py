@@ -75,6 +75,37 @@ def strength(drive: Drive) -> Advice | NotJudged | None:
     )
 
 
+def pressed_in_time(drive: Drive, force_n: float) -> Advice | None:
+    """Teeth that do not hold the largest force on a pair in a motion in time, N, if they bear it as often as any other.
+
+    Root stresses grow with the force, and pressures with its square root.  None where the rating counts as much or
+    holds, or is not known.
+    """
+    rating = known_rating(drive)
+    if not isinstance(rating, Rating):
+        return None
+    rated_n = float((rating.strength.contacts.force_n * rating.strength.stresses.dynamic_factor).max())
+    rated_n *= drive.conditions.application_factor
+    times = force_n / rated_n
+    powers = {Damage.BENDING: 1.0, Damage.CONTACT: 0.5}
+    weakest = min(rating.weakest, key=lambda one: one.safety / one.wanted / times ** powers[one.damage])
+    safety = weakest.safety / times ** powers[weakest.damage]
+    if times <= AS_MUCH or safety >= weakest.wanted:
+        return None
+    return Advice(
+        Kind.STRENGTH,
+        f"in this motion a pair of teeth bears {to_digits(times, 3)} times what is rated: safety "
+        f"{_under(safety, weakest.wanted)} against {weakest.damage.words}, {weakest.wanted:g} wanted",
+        f"{to_digits(force_n, 5)} N beside {to_digits(rated_n, 5)} N of ncgear strength, which counts knocks at even "
+        "speed, no start from rest and no course of a motor; as if the teeth bore it as often as the rated load",
+    )
+
+
+AS_MUCH = 1.03
+"""Ratio of forces up to which the rating counts as much as the motion in time: the least share that it told of forty
+machines is 0.97 (benchmarks/knocks.md)."""
+
+
 def unfollowed_motion(rating: Rating) -> str:
     """Why teeth may bear more than is known; empty where they do not, or that is known."""
     loading = rating.loading
