@@ -86,7 +86,7 @@ BOUNDS = {
     "dented": {"driven_shaft": SHAFT},
     "the key of": {"driven_shaft": {**SHAFT, "steel": "S355", "key": {"length_mm": 0.04}}},
     "r.m.s.": {"motor": {"rated_torque_n_m": 0.001, "rated_speed_rpm": 1000}},
-    "gives up to": {"motor": {"rated_torque_n_m": 1.0, "peak_torque_n_m": 1.2, "rated_speed_rpm": 1000}},
+    "gives up to": {"motor": {"rated_torque_n_m": 2.0, "peak_torque_n_m": 2.1, "rated_speed_rpm": 1000}},
     "limiter slips": {"pto": {"torque_limiter_n_m": 0.5}},
 }
 
