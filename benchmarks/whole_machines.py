@@ -65,7 +65,13 @@ WISHES: dict[str, tuple[Path, Mapping[str, Any]]] = {
     ),
     "yoke pump": (ROOT / "designs" / "scotch-yoke-pump.yaml", {}),
     "printed pump": (ROOT / "designs" / "printed-pump.yaml", PRINTED),
-    "feeder with a kept motion": (ROOT / "designs" / "feeder-kept.yaml", {}),
+    "feeder with a kept motion": (
+        ROOT / "designs" / "feeder-kept.yaml",
+        {
+            "gears": {"teeth": 48, "module_mm": 2, "face_width_mm": 15, "backlash_mm": 0.1},
+            "resistance": {"polynomial_n": [200]},
+        },
+    ),
     "baler, a low cap of power": (MACHINES / "baler.yaml", {"optimize.limits.peak_power_w": 1200}),
     "baler of a template": (MACHINES / "baler.yaml", {}),
     "baler-real": (ROOT / "designs" / "baler-real.yaml", {}),
