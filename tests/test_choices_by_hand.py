@@ -19,6 +19,7 @@ import ncgear.project.sizing as sizing
 import ncgear.project.tolerance as tolerance
 import ncgear.project.tolerance_limits as tolerance_limits
 from at_once import at_once
+from ncgear.design.keys.masses import Simulation
 from ncgear.errors import WrongInput
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.strength.without_teeth import PER_TOOTH
@@ -83,7 +84,7 @@ def test_a_rough_mesh_has_levers_play_and_stiffness_of_both_sides(monkeypatch: p
         play=Made(thicker_mm=0.02, driven_rad=0.01),
         running=Made(face_width_mm=5.0, module_mm=2.0),
         rack=Made(angles_rad=(0.3, 0.4)),
-        design=Made(simulation=Made(damping_n_s_mm=None, full_damping_depth_mm=None)),
+        design=Made(simulation=Simulation()),
     )
     # The mean of springs of 10 and 20 under 2 and 4 N/mm, weighted by these: all deflections of 0.2 mm.
     mean = (4.0 + 16.0) / (4.0 / 10.0 + 16.0 / 20.0)
@@ -324,3 +325,20 @@ def test_gears_are_polished_by_fewer_or_more_teeth_nearby(
     found = sizing._Search.polished(own, begun, lambda made: sizing.Accepted.YES)
     assert found.teeth == teeth
     assert own.most == 6
+
+
+@pytest.mark.judges("design")
+def test_damping_beside_a_given_stiffness_belongs_to_that_law_of_contact() -> None:
+    """A rating keeps the friction and the ratio, and the damping only of teeth with their own stiffness."""
+    law = {"stiffness_n_mm": 1e6, "exponent": 2.2, "damping_n_s_mm": 100.0, "full_damping_depth_mm": 0.1}
+    given = Simulation.model_validate({**law, "damping_ratio": 0.03, "friction": {"dynamic": 0.02}})
+    rated = given.of_own_stiffness
+    assert (rated.stiffness_n_mm, rated.exponent, rated.damping_n_s_mm, rated.full_damping_depth_mm) == (
+        None,
+        1.0,
+        None,
+        None,
+    )
+    assert (rated.damping_ratio, rated.friction.dynamic) == (0.03, 0.02)
+    own = Simulation(damping_n_s_mm=5.0)
+    assert own.of_own_stiffness is own

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,11 +12,17 @@ import pytest
 from commands import ROOT, Run, on_text
 from drives import drive_of_text
 from ncgear.dynamics.history import CRANK_BEARING
+from ncgear.figures.advice import strength_advice
 from ncgear.figures.advice.drivetrain_advice import around
 from ncgear.figures.advice.strength_advice import rough, strength
 from ncgear.figures.advice.values import Advice, NotJudged
+from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
+from ncgear.project.strengthening import Rating
+from ncgear.strength.holding import Damage, Weakest
 from test_stage_loads import DRIVEN, SHARED, SLIDER
+
+Made: Any = SimpleNamespace
 
 TEXT = """\
 name: shaken
@@ -170,3 +178,39 @@ def test_the_motion_in_time_presses_teeth_as_hard(play_mm: float) -> None:
     assert 0.95 * in_time < peak_n(one) < 1.15 * in_time
     bearing = one.peaks_of(one.course).forces_n[CRANK_BEARING].value
     assert 0.95 * bearing < one.knocking_peaks.crank_bearing_n.value < 1.25 * bearing
+
+
+@pytest.mark.slow
+@pytest.mark.judges("project")
+def test_teeth_are_rated_with_the_damping_of_the_file() -> None:
+    """Hardly damped, teeth that knock are pressed harder; a stiffness of another law of contact changes nothing."""
+    text = (ROOT / "designs" / "baler-holds.yaml").read_text(encoding="utf-8").partition("\nsimulation:")[0]
+    keys = "", "{damping_ratio: 0.01}", "{stiffness_n_mm: 1e6, exponent: 2.2, damping_n_s_mm: 100}"
+    usual, hardly, other = (
+        drive_of_text(text + (f"\nsimulation: {one}\n" if one else "")).strength.peak_pair_n for one in keys
+    )
+    assert usual == pytest.approx(21102.0, rel=1e-3)
+    assert hardly > 1.2 * usual
+    assert other == usual
+
+
+@pytest.mark.judges("figures")
+@pytest.mark.parametrize(
+    ("force_n", "safety"), [(30.0, "1.3"), (61.8, "0.65"), (20.5, None), (24.0, None), (28.0, None), (29.0, "1.38")]
+)
+def test_a_force_beyond_the_rating_is_told_where_teeth_would_not_hold_it(
+    force_n: float, safety: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Rated are 20 N with K_A and K_V; safeties of 2 against breakage go as 1/F, of 1.2 against pitting as its root."""
+    life = {"gear": Gear.DRIVING, "tooth": 1, "phi1_rad": 0.0, "stress_mpa": 1.0, "life_h": np.inf, "too_weak": ()}
+    weakest = (
+        Weakest(**life, damage=Damage.BENDING, safety=2.0, wanted=1.4),
+        Weakest(**life, damage=Damage.CONTACT, safety=1.3, wanted=1.0),
+    )
+    loads: Any = Made(contacts=Made(force_n=np.array([8.0, 5.0])), stresses=Made(dynamic_factor=np.array([2.0, 1.0])))
+    rating = Rating(loads, Made(), weakest)  # type: ignore[arg-type]
+    monkeypatch.setattr(strength_advice, "known_rating", lambda _: rating)
+    found = strength_advice.pressed_in_time(Made(conditions=Made(application_factor=1.25)), force_n)
+    assert (found is None) == (safety is None)
+    if found is not None:
+        assert f"{force_n / 20.0:.3g} times what is rated: safety {safety} against breakage, 1.4 wanted" in found.what

@@ -42,7 +42,7 @@ def rough_meshing(drive: Drive, load: ToothLoad, sides: Sequence[SharedLoad]) ->
         np.full(PLACES, np.inf),
         np.zeros(urge.shape[1], dtype=int),
     )
-    given = drive.design.simulation
+    given = drive.design.simulation.of_own_stiffness
     impact = Impact(1.0, given.damping_n_s_mm or 0.0, given.full_damping_depth_mm or gears.module_mm / FULLY_DAMPED)
     return Meshing(law_table(transmission), gaps, impact, friction_of(given))
 

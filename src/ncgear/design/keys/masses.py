@@ -240,8 +240,14 @@ class Simulation(Model):
 
     @property
     def of_own_stiffness(self) -> Simulation:
-        """The same damping and friction for teeth with their own stiffness, as they are rated."""
-        return self.model_copy(update={"stiffness_n_mm": None, "exponent": 1.0})
+        """The same friction and damping for teeth with their own stiffness, as they are rated.
+
+        Damping beside a given stiffness belongs to that law of contact.
+        """
+        if self.stiffness_n_mm is None:
+            return self
+        law = {"stiffness_n_mm": None, "exponent": 1.0, "damping_n_s_mm": None, "full_damping_depth_mm": None}
+        return self.model_copy(update=law)
 
     def _faults(self) -> Faults:
         if self.exponent != 1.0 and self.stiffness_n_mm is None:
