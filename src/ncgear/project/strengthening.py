@@ -116,7 +116,8 @@ def unknown(drive: Drive) -> WrongInput | None:
         return WrongInput("missing; the load of the teeth needs it, or masses", key="resistance")
     if design.stages > 1 and drive.stage is None:
         said, key = design.stages_said
-        return WrongInput(f"{said}, each with a strength of its own; one pair is right here", key=key)
+        each = "`ncgear strength` rates each, and `ncgear sweep --stage strength` tries other sizes"
+        return WrongInput(f"{said}, each with a strength of its own; one pair is right here: {each}", key=key)
     return None
 
 

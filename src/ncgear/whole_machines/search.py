@@ -150,7 +150,10 @@ def require_offered(design: Design) -> Choices:
         raise WrongInput("internal given; the search for whole machines takes external pairs only", key="gears.mesh")
     if design.stages > 1 or (design.optimize or Optimize()).limits.stages > 1:
         key = design.stages_said[1] if design.stages > 1 else "optimize.limits.stages"
-        raise WrongInput("several pairs; the search for whole machines takes one pair", key=key)
+        raise WrongInput(
+            "several pairs; the search for whole machines takes one pair: `ncgear sweep` tries other sizes of more",
+            key=key,
+        )
     if gears.helix is not None:
         raise WrongInput("given; the search for whole machines takes straight teeth, leave it out", key="gears.helix")
     if not design.loads_teeth:
