@@ -160,7 +160,8 @@ def test_a_mesh_swings_by_the_stiffness_and_mass_of_its_positions(monkeypatch: p
     monkeypatch.setattr(vibration, "swings", lambda mesh, speeds: Made(load_factor=speeds))
     given: Any = Made(reduced_kg=lambda phi: np.full(phi.size, 0.2))
     speeds = np.array([1.0, 2.0])
-    assert vibration._load_factor(Made(), given, loads, speeds) is speeds
+    made_up: Any = Made(design=Made(simulation=Made(damping_ratio=0.1)))
+    assert vibration._load_factor(made_up, given, loads, speeds) is speeds
     phi1, cycle, stiffness, inertia, error, torque, _ = made[0]
     assert (phi1.tolist(), cycle) == ([0.1, 0.3], 2.0 * pi)
     assert stiffness == pytest.approx([150.0 * 9.0, 70.0 * 9.0])
@@ -168,7 +169,7 @@ def test_a_mesh_swings_by_the_stiffness_and_mass_of_its_positions(monkeypatch: p
     assert inertia == pytest.approx([0.2e-3 * 9.0] * 2)
     assert (error.tolist(), torque.tolist()) == ([0.01, 0.03], [5.0, 7.0])
     contacts.side = np.array([0, 1, 0])
-    assert vibration._load_factor(Made(), given, loads, speeds) is None
+    assert vibration._load_factor(made_up, given, loads, speeds) is None
 
 
 def test_numbers_of_teeth_and_helix_angles_are_tried_in_their_steps(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -280,7 +281,9 @@ def test_face_loads_are_told_of_the_teeth_that_bear_most() -> None:
     model = Model(askew_mm=0.012, lead=Made(crowning_mm=0.002))
     loads = Made(force_n=np.ones(3), kept=lambda mask: mask)
     loading: Any = Made(model=model, loads_of=lambda *_: loads)
-    contacts: Any = Contacts(force_n=np.ones(3), position=np.arange(3), over_width_n=np.array([100.0, 90.0, 1.0]))
+    over = np.array([100.0, 90.0, 1.0])
+    angles = np.array([0.7, 0.8, 0.9])
+    contacts: Any = Contacts(force_n=np.ones(3), position=np.arange(3), over_width_n=over, phi1_rad=angles)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(face_load, "replace", lambda one, **changes: type(one)(**{**vars(one), **changes}))
         asked: list[Any] = []
@@ -293,6 +296,7 @@ def test_face_loads_are_told_of_the_teeth_that_bear_most() -> None:
         assert face_load.told_face_load(loading, strength, 1.0, None) is None
     assert (told.factor_min, told.factor_min_tooth) == (1.2, 4)
     assert (told.factor_max, told.factor_max_tooth) == (told.decisive_factor, told.decisive_tooth) == (1.5, 3)
+    assert told.decisive_factor_at_rad == contacts.phi1_rad[0] == 0.7
     assert asked[0][0].tolist() == [True, True, False]
     others = told.decisive_factor_by_shafts, told.askew_um, told.crowning_um, told.best_crowning_um
     assert others == pytest.approx((1.1, 12.0, 2.0, 8.0))

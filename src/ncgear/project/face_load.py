@@ -266,10 +266,10 @@ def grades_of(design: Design) -> tuple[int | None, int | None]:
 class ToldFaceLoad:
     """Figures of the load along the width: the least and the greatest K_Hbeta of the teeth, and the decisive one.
 
-    Each has the tooth of the driving gear, counted from 1.  Teeth count if their load per mm of width is at least
-    LEADING of the largest; the decisive tooth has most load per mm of width.  ``decisive_factor_by_shafts`` is its
-    factor without misalignment, ``best_crowning_factor`` its factor with the best crowning.  ``askew_um`` includes
-    running in, and ``crowning_um`` is the crowning of the design.
+    Each has the tooth of the driving gear, counted from 1, the decisive one its driving angle too.  Teeth count if
+    their load per mm of width is at least LEADING of the largest; the decisive tooth has most load per mm of width.
+    ``decisive_factor_by_shafts`` is its factor without misalignment, ``best_crowning_factor`` its factor with the best
+    crowning.  ``askew_um`` includes running in, and ``crowning_um`` is the crowning of the design.
     """
 
     factor_min: float
@@ -277,6 +277,7 @@ class ToldFaceLoad:
     factor_max: float
     factor_max_tooth: int
     decisive_factor: float
+    decisive_factor_at_rad: float
     decisive_tooth: int
     decisive_factor_by_shafts: float
     askew_um: float
@@ -326,7 +327,9 @@ def told_face_load(loading: FaceLoading, strength: Strength, over: float, best_u
     return ToldFaceLoad(
         *(float(factors[least]), int(tooth[least])),
         *(float(factors[greatest]), int(tooth[greatest])),
-        *(float(factors[decisive]), int(tooth[decisive])),
+        float(factors[decisive]),
+        float(contacts.phi1_rad[decisive]),
+        int(tooth[decisive]),
         float(straight[0]),
         model.askew_mm / MM_PER_UM,
         model.lead.crowning_mm / MM_PER_UM,

@@ -115,17 +115,18 @@ def _about(drive: Drive, rating: Rating) -> list[Row]:
         f"{name_of(key)} {figure(key, most)} by {DECIDING[load]}"
         for key, (most, load) in deciding_forces(drive).items()
     )
+    # What lowers the safeties most is told where a screen is too small for all
     rows = [
         ("jam", jam_words(drive, rating)),
-        ("teeth", gear_rows(drive)["teeth"]),
         ("material", materials_words(drive, strength)),
         ("force", f"up to {force} on one pair of teeth, times {jolts_words(drive)}"),
-        ("knocks", f"{knocks}; the loads hold what they add" if (knocks := knock_words(loading.knocks)) else ""),
-        ("decided", deciding_words(drive, rating)),
-        ("rim", rim_words(drive, rating)),
         ("face load", face_load_words(drive, rating)),
-        ("vibration", vibration_words(told) if told else ""),
         *surfaces_rows(drive, drive.surfaces_by(strength.method)),
+        ("knocks", knock_words(loading.knocks)),
+        ("decided", deciding_words(drive, rating)),
+        ("vibration", vibration_words(told) if told else ""),
+        ("rim", rim_words(drive, rating)),
+        ("teeth", gear_rows(drive)["teeth"]),
         ("under load", under_load),
         ("joints", ", ".join(joints)),
     ]
