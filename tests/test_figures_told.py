@@ -191,16 +191,20 @@ def test_words_about_rims_jams_and_bearing_along_the_face() -> None:
     known = Made(
         factor_min=1.1, factor_max=1.6, decisive_factor=1.5, decisive_tooth=7, decisive_factor_by_shafts=1.2,
         best_crowning_factor=1.3, best_crowning_um=8.0, decisive_factor_at_rad=0.5 * pi,
+        best_end_relief_factor=1.25, best_end_relief_um=9.0, best_end_relief_length_mm=4.0,
     )  # fmt: skip
     loaded = Made(face_loading=Made(constant=1.25, basis="assumed", why="no bearings are given", rigid_bearings=["a"]),
                   told_face_load_by=lambda method: known, design=Made(tolerances=None))  # fmt: skip
     rating = Made(strength=Made(method="estimate"))
     words = face_load_words(loaded, rating)
-    assert words.startswith("computed: 1.5 at tooth 7, phi1 = 90.0 deg, which bears most, 1.2 if no flank were askew, ")
+    assert words.startswith("computed: 1.5 at tooth 7, phi1 = 90.0 deg, most loaded, 1.2 if not askew, ")
     assert "; 1.1 to 1.6 of all; " in words
-    assert "crowning of 8 \u00b5m: 1.3; without static_rating_n, a counts as rigid" in words
+    better = "crowning 8 \u00b5m: 1.3, end relief 9 \u00b5m over 4 mm: 1.25"
+    assert f"; {better}; without static_rating_n, a counts as rigid" in words
     known.best_crowning_factor = 1.4999
-    assert "no other crowning is better" in face_load_words(loaded, rating)
+    assert "; end relief 9 \u00b5m over 4 mm: 1.25; " in face_load_words(loaded, rating)
+    known.best_end_relief_factor = 1.4999
+    assert "no other crowning or end relief is better" in face_load_words(loaded, rating)
     loaded.told_face_load_by = lambda method: None
     assert face_load_words(loaded, rating) == "factor 1.25, assumed since no bearings are given"
     jammed = made_up(drive("ellipse"), 0.8, 0.7)

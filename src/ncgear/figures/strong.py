@@ -33,7 +33,7 @@ from ncgear.figures.tables import Table, columns_of
 from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.project.face_load import FaceLoading
+from ncgear.project.face_load import FaceLoading, ToldFaceLoad
 from ncgear.project.strengthening import Rating, deciding_loads
 from ncgear.strength.answer import Strength
 from ncgear.strength.conditions import GRADE
@@ -257,7 +257,7 @@ def knock_words(knocks: Sequence[Knock] | None) -> str:
 
 
 ALIKE = 0.01
-"""Share by which a crowning has to lower the factor that it is told."""
+"""Share by which a crowning or an end relief has to lower the factor that it is told."""
 
 
 def face_load_words(drive: Drive, rating: Rating) -> str:
@@ -266,16 +266,29 @@ def face_load_words(drive: Drive, rating: Rating) -> str:
     if told is None:
         factor = f"factor {to_digits(loading.constant, 3)}"
         return f"{factor} as given" if loading.basis == "given" else f"{factor}, assumed since {loading.why}"
-    names = "factor_min", "factor_max", "decisive_factor", "decisive_factor_by_shafts", "best_crowning_factor"
-    least, greatest, decisive, by_shafts, best = (to_digits(getattr(told, name), 3) for name in names)
+    names = "factor_min", "factor_max", "decisive_factor", "decisive_factor_by_shafts"
+    least, greatest, decisive, by_shafts = (to_digits(getattr(told, name), 3) for name in names)
     grade = "" if drive.design.tolerances else f", grade {GRADE} assumed"
-    is_best = told.best_crowning_factor > (1.0 - ALIKE) * told.decisive_factor
-    better = "no other crowning is better" if is_best else f"crowning of {told.best_crowning_um:g} \u00b5m: {best}"
     return (
         f"computed: {decisive} at tooth {told.decisive_tooth}, phi1 = {_degrees(told.decisive_factor_at_rad)} deg, "
-        f"which bears most, {by_shafts} if no flank were askew{grade}; {least} to {greatest} of all; "
-        f"{better}{_rigid_words(loading)}"
+        f"most loaded, {by_shafts} if not askew{grade}; {least} to {greatest} of all; "
+        f"{better_lead_words(told)}{_rigid_words(loading)}"
     )
+
+
+def better_lead_words(told: ToldFaceLoad) -> str:
+    """The crowning and the end relief that lower the factor most, each by itself, with the factor."""
+    ends = f"end relief {told.best_end_relief_um:g} \u00b5m over {to_digits(told.best_end_relief_length_mm, 3)} mm"
+    forms = {
+        f"crowning {told.best_crowning_um:g} \u00b5m": told.best_crowning_factor,
+        ends: told.best_end_relief_factor,
+    }
+    better = [
+        f"{form}: {to_digits(factor, 3)}"
+        for form, factor in forms.items()
+        if factor < (1.0 - ALIKE) * told.decisive_factor
+    ]
+    return ", ".join(better) or "no other crowning or end relief is better"
 
 
 def _rigid_words(loading: FaceLoading) -> str:

@@ -22,6 +22,7 @@ from ncgear.figures.strong import (
     DECIDING,
     HEADS,
     METHODS,
+    better_lead_words,
     deciding_forces,
     deciding_words,
     face_load_words,
@@ -162,7 +163,7 @@ def sized_answer(
     with herringbone teeth, where these were looked for.
     """
     first = found[0]
-    design, strength = first.drive.design, first.rating.strength
+    design, strength, lead = first.drive.design, first.rating.strength, first.drive.told_face_load_by("estimate")
     wanted = dict.fromkeys(f"{one.wanted:g} against {one.damage.words}" for one in first.rating.weakest)
     failing = dict[Advice, list[str]]()
     for one in (*found, *([herringbone] if isinstance(herringbone, Sized) else [])):
@@ -179,6 +180,7 @@ def sized_answer(
             Row("material", (materials_words(first.drive, strength),)),
             Row("wanted", (f"safeties of {listed(wanted, 'and')}",)),
             Row("first", (", ".join(map(str, in_file(design, changed(first.changes)))),)),
+            *([Row("lead", (better_lead_words(lead),))] if lead else []),
             *([Row("helix", (helix,))] if (helix := _helical_words(first, herringbone)) else []),
             *([Row("left out", (f"{listed(left_out, 'and')}: of other gears",))] if left_out else []),
         ),
