@@ -83,7 +83,9 @@ def made_up_loading(drive: Drive, strength: Strength) -> Loading:
 def made_up_surfaces() -> Surfaces:
     """Flanks of metal in oil that lose a hundredth of a millimetre, of a limit of a fifth."""
     place = ContactValue(0.01, 1.0, 2, 2)
-    film = Film(replace(place, value=0.5), 1.0, 40.0, 41.0, replace(place, value=9.0))
+    contacts = _contacts(19, 19)
+    films = 0.5 + 0.1 * contacts.phi1_rad
+    film = Film(replace(place, value=0.5), 1.0, 40.0, 41.0, replace(place, value=9.0), contacts, films)
     return Surfaces(film, 300.0, (0.9, 0.9), Wear((1e-8, 1e-8), (place, place), 0.02, 0.2, 20_000.0), (None, None))
 
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import html
+import json
 import re
+from math import degrees
 from pathlib import Path
 
 import pytest
@@ -138,6 +140,28 @@ CROWDED = Answer(
     ("this design", "another"),
     then=LONG,
 )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("design", "changes", "rows"),
+    [
+        ("baler-drivetrain", "", ("face load  computed: ", "wear ", "film ", "scuffing ", "knocks ")),
+        ("pusher", "material: POM", ("face load ", "wear ", "heat ", "creep ")),
+    ],
+)
+def test_what_lowers_safeties_is_told_on_one_screen(run: Run, design: str, changes: str, rows: tuple[str, ...]) -> None:
+    """Without --verbose; the angle of the greatest load along the width is that of the figures."""
+    text = (DESIGNS / f"{design}.yaml").read_text(encoding="utf-8")
+    Path("one.yaml").write_text(text.replace("\ngears:\n", f"\ngears:\n  {changes}\n"), encoding="utf-8")
+    status, out, _ = run("strength", "one.yaml", "--out", "told")
+    assert status == 0
+    assert len(out.splitlines()) <= LINES
+    assert [row for row in rows if f"\n  {row}" not in out] == []
+    face_load = json.loads(Path("told/strength.json").read_text())["face_load"]
+    if face_load:
+        angle = degrees(face_load["decisive_factor_at_rad"])
+        assert f"tooth {face_load['decisive_tooth']}, phi1 = {angle:.1f} deg" in out
 
 
 def test_the_most_crowded_answer_is_a_screen() -> None:

@@ -217,8 +217,9 @@ def test_the_best_crowning_is_where_the_largest_load_is_least(best: float) -> No
 
     model: Any = Model(Lead())
     given: Any = Made(force_n=np.array([100.0, 10.0]), stiffness_n_mm2=np.array([200.0, 200.0]))
-    found = face_load.best_crowning_mm(model, given, np.array([100.0, 5.0]))
+    found, load = face_load.best_fall_mm(model, given, np.array([100.0, 5.0]), Lead)
     assert found == pytest.approx(best, abs=face_load.RESOLVED_MM)
+    assert load == pytest.approx(100.0, rel=1e-3)
 
 
 @pytest.mark.judges("strength")

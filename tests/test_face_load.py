@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 from math import inf, pi, sqrt
@@ -24,7 +25,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import changed_drive
 from ncgear.project.drive import Drive
-from ncgear.project.face_load import FaceLoading
+from ncgear.project.face_load import RELIEVED, FaceLoading, _best_end_relief
 from ncgear.project.rough_strength import rolled_load, rough_mesh, tooth_plan
 from ncgear.project.strengthening import crowned_enough, rating_of
 from ncgear.strength.conditions import Running
@@ -35,7 +36,7 @@ from ncgear.strength.face_load import (
     LeadForm,
     SteelShaft,
     Support,
-    best_crowning_mm,
+    best_fall_mm,
     largest_line_load,
     places_mm,
 )
@@ -305,23 +306,35 @@ def test_what_is_not_balanced_is_refused() -> None:
 
 
 @pytest.mark.slow
-def test_the_best_crowning_against_a_scan() -> None:
+def test_the_best_crowning_and_end_reliefs_against_a_scan() -> None:
     """Two positions whose loads lean to different ends; a scan in steps of 0.2 um, and none for perfect gears."""
     shafts = RIGID, SteelShaft(80.0, 300.0, SUPPORTS[1])
     model = FaceModel(shafts, (None, 260.0), WIDTH, 0.015, LeadForm())
     each = np.array([2e4, 1.5e4]), np.array([2e4, 1.4e4]), np.array([[0.0, 3e4], [0.0, -1e4]])
     loads = FaceLoads(*each, np.full((2, 2), 1e6), np.zeros((2, 2)))
     most = np.array([1.8e4, 1.5e4])
-    found = best_crowning_mm(model, loads, most)
 
-    def largest(crowning: float) -> float:
-        return float(np.max(replace(model, lead=LeadForm(crowning)).factors(loads) * most))
+    def largest(lead: LeadForm) -> float:
+        return float(np.max(replace(model, lead=lead).factors(loads) * most))
 
-    scanned = min(np.arange(0.0, 0.05, 2e-4), key=largest)
-    assert found == pytest.approx(scanned, abs=5e-4)
-    assert largest(found) < 0.95 * largest(0.0)
     perfect = FaceModel((RIGID, RIGID), (None, 0.0), WIDTH, 0.0, LeadForm())
-    assert best_crowning_mm(perfect, loads, most) == 0.0
+    forms: list[Callable[[float], LeadForm]] = [LeadForm]
+    forms += [lambda mm, share=share: LeadForm(0.0, mm, share * WIDTH) for share in RELIEVED]
+    for form in forms:
+        found, load = best_fall_mm(model, loads, most, form)
+        scanned = min(np.arange(0.0, 0.05, 2e-4), key=lambda mm, form=form: largest(form(mm)))
+        assert found == pytest.approx(scanned, abs=5e-4)
+        assert load == largest(form(found))
+        assert load < 0.97 * largest(LeadForm())
+        assert best_fall_mm(perfect, loads, most, form)[0] == 0.0
+    ends = _best_end_relief(model, (loads, most))
+    assert ends.relief_length_mm / WIDTH in RELIEVED
+    assert largest(ends) < 1.01 * min(largest(form(mm)) for form in forms[1:] for mm in np.arange(0.0, 0.03, 1e-3))
+    # Ends that a great crowning leaves alone gain nothing by a relief
+    crowned = LeadForm(0.5)
+    both = _best_end_relief(replace(model, lead=crowned), (loads, most))
+    assert both.crowning_mm == 0.5
+    assert largest(both) == pytest.approx(largest(crowned), rel=1e-3)
 
 
 def ball_way_mm(force_n: float, balls: int, ball_mm: float) -> float:

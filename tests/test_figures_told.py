@@ -190,17 +190,21 @@ def test_words_about_rims_jams_and_bearing_along_the_face() -> None:
     assert rim_words(one, Made(weakest=weakest[1:])) == ""
     known = Made(
         factor_min=1.1, factor_max=1.6, decisive_factor=1.5, decisive_tooth=7, decisive_factor_by_shafts=1.2,
-        best_crowning_factor=1.3, best_crowning_um=8.0,
+        best_crowning_factor=1.3, best_crowning_um=8.0, decisive_factor_at_rad=0.5 * pi,
+        best_end_relief_factor=1.25, best_end_relief_um=9.0, best_end_relief_length_mm=4.0,
     )  # fmt: skip
     loaded = Made(face_loading=Made(constant=1.25, basis="assumed", why="no bearings are given", rigid_bearings=["a"]),
                   told_face_load_by=lambda method: known, design=Made(tolerances=None))  # fmt: skip
     rating = Made(strength=Made(method="estimate"))
     words = face_load_words(loaded, rating)
-    assert "factor 1.1 to 1.6 by shafts" in words
-    assert "1.5 at tooth 7" in words
-    assert "crowning of 8 \u00b5m: 1.3; without static_rating_n, a counts as rigid" in words
+    assert words.startswith("computed: 1.5 at tooth 7, phi1 = 90.0 deg, most loaded, 1.2 if not askew, ")
+    assert "; 1.1 to 1.6 of all; " in words
+    better = "crowning 8 \u00b5m: 1.3, end relief 9 \u00b5m over 4 mm: 1.25"
+    assert f"; {better}; without static_rating_n, a counts as rigid" in words
     known.best_crowning_factor = 1.4999
-    assert "no other crowning is better" in face_load_words(loaded, rating)
+    assert "; end relief 9 \u00b5m over 4 mm: 1.25; " in face_load_words(loaded, rating)
+    known.best_end_relief_factor = 1.4999
+    assert "no other crowning or end relief is better" in face_load_words(loaded, rating)
     loaded.told_face_load_by = lambda method: None
     assert face_load_words(loaded, rating) == "factor 1.25, assumed since no bearings are given"
     jammed = made_up(drive("ellipse"), 0.8, 0.7)
@@ -226,13 +230,21 @@ class Holding:
 
 def test_a_table_of_strength_has_a_row_for_each_tooth() -> None:
     found = made_up(drive("ellipse"), 2.0, 1.5)
-    heads, *rows = [line.split(",") for line in strength_csv(found).splitlines()]
+    film = made_up_surfaces().film
+    heads, *rows = [line.split(",") for line in strength_csv(found, film).splitlines()]
     assert [(row[0], row[1]) for row in rows] == [(gear.value, str(n)) for gear in Gear for n in range(1, 38)]
     for gear, own in zip(Gear, (rows[:37], rows[37:]), strict=True):
         for damage, life in lives_of(found, gear).items():
             cells = [row[heads.index(f"{damage}_safety")] for row in own]
             wanted = [value if value < inf else None for value in life.safety.tolist()]
             assert [float(cell) if cell else None for cell in cells] == pytest.approx(wanted)
+    # The film grows with the angle, so that it is thinnest where a tooth begins to touch; only 19 teeth do.
+    column = heads.index("film_phi1_rad")
+    begins = [2.0 * pi * tooth / 19.0 for tooth in range(18)]
+    assert [float(row[column]) for row in rows[:18]] == pytest.approx(begins)
+    assert [float(row[column - 1]) for row in rows[:18]] == pytest.approx([0.5 + 0.1 * angle for angle in begins])
+    assert rows[19][column - 1 : column + 2] == ["", "", ""]
+    assert {row.count(",") for row in strength_csv(found, None).splitlines()} == {len(heads) - 1}
 
 
 def test_words_about_wear_and_hours() -> None:
@@ -240,7 +252,7 @@ def test_words_about_wear_and_hours() -> None:
     found = made_up_surfaces()
     one: Any = Made(conditions=Made(lubrication="dry", oil_fzg_stage=10.0), design=drive("ellipse").design)
     rows = dict(surfaces_rows(one, found))
-    assert rows["wear"].startswith("0.01 mm in 20000 h, within a factor of ten; backlash grows by up to 0.02 mm")
+    assert rows["wear"].startswith("0.01 mm in 20000 h, to a factor of ten; backlash grows by up to 0.02 mm")
     assert "film" in rows
     assert "heat" not in rows
     assert [hours_words(hours) for hours in (12345.0, 87.6, 3.21, 0.004, inf)] == ["12000 h", "88 h", "3.2 h", "none",

@@ -279,14 +279,23 @@ def test_face_loads_are_told_of_the_teeth_that_bear_most() -> None:
         def on(self, gear: Any) -> Any:
             return Made(tooth=np.array([3, 4, 5]))
 
-    model = Model(askew_mm=0.012, lead=Made(crowning_mm=0.002))
+    model = Model(askew_mm=0.012, lead=Made(crowning_mm=0.002, relief_length_mm=0.0), width_mm=40.0)
     loads = Made(force_n=np.ones(3), kept=lambda mask: mask)
     loading: Any = Made(model=model, loads_of=lambda *_: loads)
-    contacts: Any = Contacts(force_n=np.ones(3), position=np.arange(3), over_width_n=np.array([100.0, 90.0, 1.0]))
+    over = np.array([100.0, 90.0, 1.0])
+    angles = np.array([0.7, 0.8, 0.9])
+    contacts: Any = Contacts(force_n=np.ones(3), position=np.arange(3), over_width_n=over, phi1_rad=angles)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(face_load, "replace", lambda one, **changes: type(one)(**{**vars(one), **changes}))
         asked: list[Any] = []
-        patch.setattr(face_load, "best_crowning_mm", lambda model, heavy, most: asked.append((heavy, most)) or 0.0083)
+        loads_by_length = {0.1: 5.0, 0.2: 3.0, 0.3: 4.0, 0.4: 4.0, 0.5: 4.0}
+
+        def best(model: Any, heavy: Any, most: Any, lead: Any) -> tuple[float, float]:
+            asked.append((heavy, most))
+            length = lead(0.001).relief_length_mm
+            return 0.0083, loads_by_length.get(length and length / 40.0, 1.0)
+
+        patch.setattr(face_load, "best_fall_mm", best)
         stresses = Made(dynamic_factor=np.ones(3), face_load_factor=np.array([1.5, 1.2, 9.0]))
         strength: Any = Made(contacts=contacts, stresses=stresses, load="masses")
         best_um = face_load.best_crowning_um(loading, strength, 1.0)
@@ -295,8 +304,10 @@ def test_face_loads_are_told_of_the_teeth_that_bear_most() -> None:
         assert face_load.told_face_load(loading, strength, 1.0, None) is None
     assert (told.factor_min, told.factor_min_tooth) == (1.2, 4)
     assert (told.factor_max, told.factor_max_tooth) == (told.decisive_factor, told.decisive_tooth) == (1.5, 3)
+    assert told.decisive_factor_at_rad == contacts.phi1_rad[0] == 0.7
     assert asked[0][0].tolist() == [True, True, False]
     others = told.decisive_factor_by_shafts, told.askew_um, told.crowning_um, told.best_crowning_um
     assert others == pytest.approx((1.1, 12.0, 2.0, 8.0))
     # 1.3 times 90 N/mm over the 100 of the decisive tooth is more than 1.05.
-    assert told.best_crowning_factor == pytest.approx(1.17)
+    assert told.best_crowning_factor == told.best_end_relief_factor == pytest.approx(1.17)
+    assert (told.best_end_relief_um, told.best_end_relief_length_mm) == (8.0, 8.0)

@@ -38,7 +38,7 @@ motion: {law: ellipse, eccentricity: 0.3}
 GEARS = "gears: {teeth: 19, module_mm: 1.5, face_width_mm: 10}\n"
 LOAD = "resistance: {polynomial_n: [400]}\n"
 
-FILES = {"manifest.json", "strength.json", "strength.csv", "strength-speeds.csv"} | {
+FILES = {"manifest.json", "strength.json", "strength.csv", "strength-speeds.csv", "strength-film.csv"} | {
     f"strength{name}.png" for name in ("", "-cycle", "-speeds")
 }
 

@@ -11,6 +11,7 @@ from ncgear.design.words import listed
 from ncgear.figures.csv_text import rows_text
 from ncgear.figures.numbers import fixed, known, placed, to_digits
 from ncgear.figures.quantities import figure
+from ncgear.numerics.arrays import largest_rows
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.strength.film import Regime
@@ -78,6 +79,31 @@ def _at(name: str, place: ContactValue) -> dict[str, Any]:
     return {f"{name}_at_rad": place.phi1_rad, "driving_tooth": place.driving_tooth, "driven_tooth": place.driven_tooth}
 
 
+FILM = ("film_um", "film_phi1_rad", "specific_film_thickness")
+"""Columns of the oil's film at a place of contact."""
+
+
+def _film_cells(film: Film) -> list[tuple[object, ...]]:
+    columns = film.film_um, film.contacts.phi1_rad, film.film_um / film.roughness_um
+    return list(zip(*(one.tolist() for one in columns), strict=True))
+
+
+def film_csv(film: Film) -> str:
+    """A row for each computed place of contact, with the numbers of both teeth and of the section of the width."""
+    numbers = *(film.contacts.on(gear).tooth.tolist() for gear in Gear), (film.contacts.section + 1).tolist()
+    rows = zip(*numbers, *zip(*_film_cells(film), strict=True), strict=True)
+    return rows_text(("driving_tooth", "driven_tooth", "section", *FILM), rows)
+
+
+def film_of_teeth(film: Film | None, gear: Gear) -> dict[int, tuple[object, ...]]:
+    """The cells below FILM of the thinnest film of each tooth of a gear that touches, by its number."""
+    if film is None:
+        return {}
+    cells, tooth = _film_cells(film), film.contacts.on(gear).tooth
+    thinnest = largest_rows(-film.film_um, tooth, int(tooth.max(initial=0)) + 1)
+    return {number: cells[row] for number, row in enumerate(thinnest.tolist()) if row >= 0}
+
+
 MUCH_PLAY = 0.25
 """Growth of the play, as a share of the play of new gears, from which teeth knock much harder."""
 
@@ -91,9 +117,9 @@ def surfaces_rows(drive: Drive, found: Surfaces) -> list[tuple[str, str]]:
     elif wear.deepest_mm > 0.0:
         grows = f"backlash grows by up to {to_digits(wear.play_mm, 2)} mm"
         if drive.design.masses is not None and wear.play_mm > MUCH_PLAY * drive.play.least_normal_mm.value:
-            grows += " (--worn rates worn gears)"
+            grows += " (see --worn)"
         ends = grows if wear.holds else f"a tenth of the module is gone after {hours_words(wear.life_h)}"
-        told = f"{to_digits(wear.deepest_mm, 2)} mm in {hours_words(wear.wanted_h)}, within a factor of ten; {ends}"
+        told = f"{to_digits(wear.deepest_mm, 2)} mm in {hours_words(wear.wanted_h)}, to a factor of ten; {ends}"
     rows = [("wear", told)]
     if not found.judged and drive.conditions.lubrication != "dry" and not any(found.warm):
         rows.append(("film", ONLY_A_JAM))

@@ -16,7 +16,15 @@ from ncgear.dynamics.driven_side import Knock
 from ncgear.dynamics.rigid import LoadPeaks
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.csv_text import rows_text
-from ncgear.figures.flanks import hours_words, surfaces_figures, surfaces_rows, vibration_figures, vibration_of_rating
+from ncgear.figures.flanks import (
+    FILM,
+    film_of_teeth,
+    hours_words,
+    surfaces_figures,
+    surfaces_rows,
+    vibration_figures,
+    vibration_of_rating,
+)
 from ncgear.figures.numbers import fixed, known, to_digits
 from ncgear.figures.quantities import figure
 from ncgear.figures.simulated import SAME_AS_MESH, force_figures
@@ -25,11 +33,12 @@ from ncgear.figures.tables import Table, columns_of
 from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.project.face_load import FaceLoading
+from ncgear.project.face_load import FaceLoading, ToldFaceLoad
 from ncgear.project.strengthening import Rating, deciding_loads
 from ncgear.strength.answer import Strength
 from ncgear.strength.conditions import GRADE
 from ncgear.strength.holding import Damage, Weakest, lives_of
+from ncgear.strength.surfaces import Film
 
 LOADS = {
     "masses": "the machine with its masses{jam}, at constant driving speed",
@@ -183,7 +192,7 @@ def knock_figures(knocks: Sequence[Knock] | None) -> dict[str, Any]:
 
 def jolts_words(drive: Drive) -> str:
     """The application factor, and whether anybody gave it."""
-    assumed = "" if "application_factor" in drive.design.strength.model_fields_set else ", assumed since none is given"
+    assumed = "" if "application_factor" in drive.design.strength.model_fields_set else ", assumed"
     return f"an application factor of {drive.conditions.application_factor:g}{assumed}"
 
 
@@ -248,7 +257,7 @@ def knock_words(knocks: Sequence[Knock] | None) -> str:
 
 
 ALIKE = 0.01
-"""Share by which a crowning has to lower the factor that it is told."""
+"""Share by which a crowning or an end relief has to lower the factor that it is told."""
 
 
 def face_load_words(drive: Drive, rating: Rating) -> str:
@@ -257,15 +266,29 @@ def face_load_words(drive: Drive, rating: Rating) -> str:
     if told is None:
         factor = f"factor {to_digits(loading.constant, 3)}"
         return f"{factor} as given" if loading.basis == "given" else f"{factor}, assumed since {loading.why}"
-    names = "factor_min", "factor_max", "decisive_factor", "decisive_factor_by_shafts", "best_crowning_factor"
-    least, greatest, decisive, by_shafts, best = (to_digits(getattr(told, name), 3) for name in names)
+    names = "factor_min", "factor_max", "decisive_factor", "decisive_factor_by_shafts"
+    least, greatest, decisive, by_shafts = (to_digits(getattr(told, name), 3) for name in names)
     grade = "" if drive.design.tolerances else f", grade {GRADE} assumed"
-    is_best = told.best_crowning_factor > (1.0 - ALIKE) * told.decisive_factor
-    better = "no other crowning is better" if is_best else f"crowning of {told.best_crowning_um:g} \u00b5m: {best}"
     return (
-        f"factor {least} to {greatest} by shafts, bearings and lead{grade}; {decisive} at tooth "
-        f"{told.decisive_tooth}, which bears most, {by_shafts} if no flank were askew; {better}{_rigid_words(loading)}"
+        f"computed: {decisive} at tooth {told.decisive_tooth}, phi1 = {_degrees(told.decisive_factor_at_rad)} deg, "
+        f"most loaded, {by_shafts} if not askew{grade}; {least} to {greatest} of all; "
+        f"{better_lead_words(told)}{_rigid_words(loading)}"
     )
+
+
+def better_lead_words(told: ToldFaceLoad) -> str:
+    """The crowning and the end relief that lower the factor most, each by itself, with the factor."""
+    ends = f"end relief {told.best_end_relief_um:g} \u00b5m over {to_digits(told.best_end_relief_length_mm, 3)} mm"
+    forms = {
+        f"crowning {told.best_crowning_um:g} \u00b5m": told.best_crowning_factor,
+        ends: told.best_end_relief_factor,
+    }
+    better = [
+        f"{form}: {to_digits(factor, 3)}"
+        for form, factor in forms.items()
+        if factor < (1.0 - ALIKE) * told.decisive_factor
+    ]
+    return ", ".join(better) or "no other crowning or end relief is better"
 
 
 def _rigid_words(loading: FaceLoading) -> str:
@@ -312,16 +335,20 @@ OF_TOOTH = ("stress_mpa", "phi1_rad", "safety", "life_h")
 """The columns of each kind of damage."""
 
 
-def strength_csv(strength: Strength) -> str:
-    """A row for each gear and tooth; cells are empty where a safety or a life is without end or nothing is known."""
+def strength_csv(strength: Strength, film: Film | None) -> str:
+    """A row for each gear and tooth, with the place of its thinnest film.
+
+    Cells are empty where a safety or a life is without end or nothing is known.
+    """
     rows: list[list[object]] = []
     for gear in Gear:
         lives = lives_of(strength, gear)
+        films = film_of_teeth(film, gear)
         for row in range(lives[Damage.BENDING].safety.size):
             of_kinds = [(lives.get(kind), name) for kind in Damage for name in OF_TOOTH]
             cells = (known(float(getattr(life, name)[row])) if life else None for life, name in of_kinds)
-            rows.append([gear.value, row + 1, *cells])
-    return rows_text(("gear", "tooth", *(f"{kind}_{name}" for kind in Damage for name in OF_TOOTH)), rows)
+            rows.append([gear.value, row + 1, *cells, *films.get(row + 1, [None] * len(FILM))])
+    return rows_text(("gear", "tooth", *(f"{kind}_{name}" for kind in Damage for name in OF_TOOTH), *FILM), rows)
 
 
 def life_words(hours: float, wears: bool = False) -> str:

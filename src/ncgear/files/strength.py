@@ -26,7 +26,7 @@ from ncgear.drawings.palette import HOLDING, STRESS
 from ncgear.drawings.pictures import assembled_teeth, positions_at, titled
 from ncgear.drawings.plots import canvas
 from ncgear.drawings.plots.assembled_pair import draw_body
-from ncgear.figures.flanks import speeds_csv
+from ncgear.figures.flanks import film_csv, speeds_csv
 from ncgear.figures.numbers import json_text, to_digits
 from ncgear.figures.strong import strength_csv
 from ncgear.files.build import folder_of
@@ -272,11 +272,14 @@ def _titled(drive: Drive, what: str) -> str:
 
 def strength_files(drive: Drive, rating: Rating, figures: Mapping[str, Any]) -> dict[str, bytes]:
     """Pictures and table of a rating, and its figures, as files by name; of a stage, in a folder of its own."""
+    film = drive.surfaces_by(rating.strength.method).film
     files = {
         **strength_pictures(drive, rating),
-        "strength.csv": strength_csv(rating.strength).encode(),
+        "strength.csv": strength_csv(rating.strength, film).encode(),
         "strength.json": json_text(figures).encode(),
     }
+    if film is not None:
+        files["strength-film.csv"] = film_csv(film).encode()
     if (sweep := speed_sweep(drive, drive.vibration, rating.loading)) is not None:
         files["strength-speeds.csv"] = speeds_csv(sweep).encode()
     return {folder_of(drive.stage) + name: content for name, content in files.items()}

@@ -34,7 +34,7 @@ from ncgear.project.tooth_load import ToothLoad, asked_of
 from ncgear.strength.conditions import GRADE, Running
 from ncgear.strength.contacts import LoadedContacts
 from ncgear.strength.endurance import running_in
-from ncgear.strength.face_load import ASSUMED, FaceLoads, FaceModel, LeadForm, SteelShaft, Support, best_crowning_mm
+from ncgear.strength.face_load import ASSUMED, FaceLoads, FaceModel, LeadForm, SteelShaft, Support, best_fall_mm
 from ncgear.strength.without_teeth import SharedLoad
 from ncgear.tolerances.iso1328 import helix_slope_mm
 
@@ -266,10 +266,11 @@ def grades_of(design: Design) -> tuple[int | None, int | None]:
 class ToldFaceLoad:
     """Figures of the load along the width: the least and the greatest K_Hbeta of the teeth, and the decisive one.
 
-    Each has the tooth of the driving gear, counted from 1.  Teeth count if their load per mm of width is at least
-    LEADING of the largest; the decisive tooth has most load per mm of width.  ``decisive_factor_by_shafts`` is its
-    factor without misalignment, ``best_crowning_factor`` its factor with the best crowning.  ``askew_um`` includes
-    running in, and ``crowning_um`` is the crowning of the design.
+    Each has the tooth of the driving gear, counted from 1, the decisive one its driving angle too.  Teeth count if
+    their load per mm of width is at least LEADING of the largest; the decisive tooth has most load per mm of width.
+    ``decisive_factor_by_shafts`` is its factor without misalignment, ``best_crowning_factor`` with the best crowning,
+    ``best_end_relief_factor`` with the best end relief, all else of the flanks as it is.  ``askew_um`` includes running
+    in, and ``crowning_um`` is the crowning of the design.
     """
 
     factor_min: float
@@ -277,12 +278,16 @@ class ToldFaceLoad:
     factor_max: float
     factor_max_tooth: int
     decisive_factor: float
+    decisive_factor_at_rad: float
     decisive_tooth: int
     decisive_factor_by_shafts: float
     askew_um: float
     crowning_um: float
     best_crowning_um: float
     best_crowning_factor: float
+    best_end_relief_um: float
+    best_end_relief_length_mm: float
+    best_end_relief_factor: float
 
 
 LEADING = 0.5
@@ -302,11 +307,32 @@ def best_crowning_um(loading: FaceLoading, strength: Strength, over: float) -> f
     contacts = strength.contacts
     if loading.model is None or not contacts.force_n.size:
         return None
-    loads = _loads_of(loading, strength, over)
+    lead, loads = loading.model.lead, _heavy(_loads_of(loading, strength, over), strength)
+    fall_mm, _ = best_fall_mm(loading.model, *loads, lambda mm: replace(lead, crowning_mm=mm))
+    return float(round(fall_mm / MM_PER_UM))
+
+
+def _heavy(loads: FaceLoads, strength: Strength) -> tuple[FaceLoads, Array]:
+    """The loads that count for the best form of the flanks, and the force on the most loaded pair of each."""
     most = np.zeros(loads.force_n.size)
-    np.maximum.at(most, contacts.position, strength.stresses.dynamic_factor * contacts.over_width_n)
+    np.maximum.at(most, strength.contacts.position, strength.stresses.dynamic_factor * strength.contacts.over_width_n)
     heavy = most >= LEADING * most.max()
-    return float(round(best_crowning_mm(loading.model, loads.kept(heavy), most[heavy]) / MM_PER_UM))
+    return loads.kept(heavy), most[heavy]
+
+
+RELIEVED = (0.1, 0.2, 0.3, 0.4, 0.5)
+"""Lengths of end reliefs that are tried, as shares of the face width."""
+
+
+def _best_end_relief(model: FaceModel, heavy: tuple[FaceLoads, Array]) -> LeadForm:
+    """The lead with the best end relief in whole um, of the lengths RELIEVED."""
+
+    def best(share: float) -> tuple[float, LeadForm]:
+        lead = replace(model.lead, relief_length_mm=share * model.width_mm)
+        fall_mm, load = best_fall_mm(model, *heavy, lambda mm: replace(lead, relief_mm=mm))
+        return load, replace(lead, relief_mm=round(fall_mm / MM_PER_UM) * MM_PER_UM)
+
+    return min(map(best, RELIEVED), key=lambda one: one[0])[1]
 
 
 def told_face_load(loading: FaceLoading, strength: Strength, over: float, best_um: float | None) -> ToldFaceLoad | None:
@@ -320,16 +346,23 @@ def told_face_load(loading: FaceLoading, strength: Strength, over: float, best_u
     line = factors * force
     rows = largest_rows(line, tooth, int(tooth.max()) + 1)
     rows = rows[(rows >= 0) & (line[rows] >= LEADING * line.max())]
-    best = replace(model, lead=replace(model.lead, crowning_mm=best_um * MM_PER_UM)).factors(loads)[place]
+    relieved = _best_end_relief(model, _heavy(loads, strength))
+    leads = replace(model.lead, crowning_mm=best_um * MM_PER_UM), relieved
+    crowned, ends = (float(np.max(replace(model, lead=one).factors(loads)[place] * force)) for one in leads)
     least, greatest, decisive = rows[factors[rows].argmin()], rows[factors[rows].argmax()], int(line.argmax())
     straight = replace(model, askew_mm=0.0).factors(loads.kept(place[decisive : decisive + 1]))
     return ToldFaceLoad(
         *(float(factors[least]), int(tooth[least])),
         *(float(factors[greatest]), int(tooth[greatest])),
-        *(float(factors[decisive]), int(tooth[decisive])),
+        float(factors[decisive]),
+        float(contacts.phi1_rad[decisive]),
+        int(tooth[decisive]),
         float(straight[0]),
         model.askew_mm / MM_PER_UM,
         model.lead.crowning_mm / MM_PER_UM,
         best_um,
-        float(np.max(best * force) / force[decisive]),
+        crowned / force[decisive],
+        float(round(relieved.relief_mm / MM_PER_UM)),
+        relieved.relief_length_mm,
+        ends / force[decisive],
     )

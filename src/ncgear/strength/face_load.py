@@ -31,6 +31,7 @@ stays (Newton's method, since the forces have a continuous slope).  Equilibrium 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from math import inf, pi
 
@@ -241,17 +242,19 @@ RESOLVED_MM = 2.5e-4
 """Tolerance of the best crowning in mm: a quarter of the accuracy of workshops."""
 
 
-def best_crowning_mm(model: FaceModel, loads: FaceLoads, most_n: Array) -> float:
-    """The crowning for the least largest load for each mm of width; 0 where straight flanks are best.
+def best_fall_mm(
+    model: FaceModel, loads: FaceLoads, most_n: Array, lead: Callable[[float], LeadForm]
+) -> tuple[float, float]:
+    """The crowning or relief in mm for the least largest load in N over the width, and that load; 0 if 0 is best.
 
-    ``most_n`` (shape (n,)) is the force on the most loaded pair at the positions of ``loads``; other positions do not
-    count.  The largest load falls with the crowning and rises again, since too much leaves the middle of the width
-    alone; a golden section finds the least.  Raises as ``largest_line_load`` does.
+    ``lead`` is the form of the flanks by the size that is sought.  ``most_n`` (shape (n,)) is the force on the most
+    loaded pair at the positions of ``loads``; other positions do not count.  The largest load falls with the size and
+    rises again, since too much leaves the middle of the width alone; a golden section finds the least.  Raises as
+    ``largest_line_load`` does.
     """
 
-    def largest(crowning_mm: float) -> float:
-        crowned = replace(model, lead=replace(model.lead, crowning_mm=crowning_mm))
-        return float(np.max(crowned.factors(loads) * most_n))
+    def largest(fall_mm: float) -> float:
+        return float(np.max(replace(model, lead=lead(fall_mm)).factors(loads) * most_n))
 
     low, high = 0.0, float(np.max(loads.force_n / loads.stiffness_n_mm2)) / model.width_mm
     while largest(2.0 * high) < largest(high):
@@ -259,7 +262,7 @@ def best_crowning_mm(model: FaceModel, loads: FaceLoads, most_n: Array) -> float
     high *= 2.0
     first, second = golden_section(largest, low, high, RESOLVED_MM)
     found = (first.at + second.at) / 2.0
-    return found if largest(found) < largest(0.0) else 0.0
+    return min(((at, largest(at)) for at in (0.0, found)), key=lambda one: one[1])
 
 
 def _mean_line(at_mm: Array) -> Array:

@@ -61,12 +61,13 @@ class ContactValue:
         return self.driving_tooth if gear is Gear.DRIVING else self.driven_tooth
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Film:
     """The oil between metal flanks.
 
     ``thickness`` is the least specific film thickness lambda, in mean roughnesses Ra of ``roughness_um``; ``oil_c`` and
     ``bulk_c`` are the temperatures of the oil and of the teeth in it, ``flash_k`` is the rise of a contact over them.
+    ``film_um`` (shape (n,)) is the thickness at ``contacts``: all computed places of contact, without edges.
     """
 
     thickness: ContactValue
@@ -74,6 +75,8 @@ class Film:
     oil_c: float
     bulk_c: float
     flash_k: ContactValue
+    contacts: LoadedContacts
+    film_um: Array
 
     @property
     def regime(self) -> Regime:
@@ -197,6 +200,10 @@ class _Pair:
         """The rise of each contact over the temperature of the teeth, in K."""
         return flash_k(pressed, friction(pressed, oil, self.conditions), self.materials)
 
+    def film_um(self, pressed: Pressed, flash: Array, oil: Oil) -> Array:
+        """The thickness of the film at each contact."""
+        return film_um(pressed, flash, self.bulk_c, oil, self.materials)
+
     def quantities(self, side: IndexArray, shaken: Array, pressed: Pressed) -> Array:
         """The quantities whose largest values are searched, at n contacts of flanks of a side, shape (6, n).
 
@@ -207,7 +214,7 @@ class _Pair:
         unparted = np.ones_like(thin)
         if self.oil is not None:
             flash = self.flash(pressed, self.oil)
-            film = film_um(pressed, flash, self.bulk_c, self.oil, self.materials)
+            film = self.film_um(pressed, flash, self.oil)
             thickness = np.maximum(film / roughness_um(self.conditions), LEAST_FILM)
             thin, unparted = 1.0 / thickness, share_unparted(thickness)
         # Each meeting counts as the worst meeting: exact where teeth always meet the same mates.
@@ -247,7 +254,9 @@ def surfaces_of(
     judged = bool(loading.contacts.force_n.max(initial=0.0) > least_n)
     if oil is not None and judged:
         thickness = replace(thin, value=1.0 / thin.value if thin.value > 0.0 else inf)
-        film = Film(thickness, roughness_um(conditions), conditions.oil_temperature_c, pair.bulk_c, hot)
+        films = pair.film_um(touched[2], pair.flash(touched[2], oil), oil)
+        degrees_c = conditions.oil_temperature_c, pair.bulk_c
+        film = Film(thickness, roughness_um(conditions), *degrees_c, hot, touched[0], films)
         steels = [one.entry.group.scuffing_structure for one in choices if isinstance(one.entry, Ferrous)]
         scuffs_c = scuffing_c(oil, conditions, min(steels)) if len(steels) == 2 else None
     pitting = [film_factor(*both, conditions, running) for both in mates]

@@ -22,6 +22,7 @@ from ncgear.figures.strong import (
     DECIDING,
     HEADS,
     METHODS,
+    better_lead_words,
     deciding_forces,
     deciding_words,
     face_load_words,
@@ -115,17 +116,18 @@ def _about(drive: Drive, rating: Rating) -> list[Row]:
         f"{name_of(key)} {figure(key, most)} by {DECIDING[load]}"
         for key, (most, load) in deciding_forces(drive).items()
     )
+    # What lowers the safeties most is told where a screen is too small for all
     rows = [
         ("jam", jam_words(drive, rating)),
-        ("teeth", gear_rows(drive)["teeth"]),
         ("material", materials_words(drive, strength)),
         ("force", f"up to {force} on one pair of teeth, times {jolts_words(drive)}"),
-        ("knocks", f"{knocks}; the loads hold what they add" if (knocks := knock_words(loading.knocks)) else ""),
-        ("decided", deciding_words(drive, rating)),
-        ("rim", rim_words(drive, rating)),
         ("face load", face_load_words(drive, rating)),
-        ("vibration", vibration_words(told) if told else ""),
         *surfaces_rows(drive, drive.surfaces_by(strength.method)),
+        ("knocks", knock_words(loading.knocks)),
+        ("decided", deciding_words(drive, rating)),
+        ("vibration", vibration_words(told) if told else ""),
+        ("rim", rim_words(drive, rating)),
+        ("teeth", gear_rows(drive)["teeth"]),
         ("under load", under_load),
         ("joints", ", ".join(joints)),
     ]
@@ -161,7 +163,7 @@ def sized_answer(
     with herringbone teeth, where these were looked for.
     """
     first = found[0]
-    design, strength = first.drive.design, first.rating.strength
+    design, strength, lead = first.drive.design, first.rating.strength, first.drive.told_face_load_by("estimate")
     wanted = dict.fromkeys(f"{one.wanted:g} against {one.damage.words}" for one in first.rating.weakest)
     failing = dict[Advice, list[str]]()
     for one in (*found, *([herringbone] if isinstance(herringbone, Sized) else [])):
@@ -178,6 +180,7 @@ def sized_answer(
             Row("material", (materials_words(first.drive, strength),)),
             Row("wanted", (f"safeties of {listed(wanted, 'and')}",)),
             Row("first", (", ".join(map(str, in_file(design, changed(first.changes)))),)),
+            *([Row("lead", (better_lead_words(lead),))] if lead else []),
             *([Row("helix", (helix,))] if (helix := _helical_words(first, herringbone)) else []),
             *([Row("left out", (f"{listed(left_out, 'and')}: of other gears",))] if left_out else []),
         ),
