@@ -337,11 +337,11 @@ def test_forces_and_stresses_of_shafts_against_many_more_places(gear: Gear) -> N
 
 def test_a_key_in_closed_form() -> None:
     """p = 2 T / (d h l): 2 * 100 N m / (40 mm * 3.3 mm * 50 mm)."""
-    found = key_safety(ShaftKey(40.0, 3.3, 50.0, 300.0), 1e5, 0.0)
+    found = key_safety(ShaftKey(40.0, 3.3, 50.0, 300.0, 50.0), 1e5, 0.0)
     assert found.pressure_mpa == pytest.approx(2e5 / 6600.0, rel=1e-14)
     assert found.safety == pytest.approx(270.0 / found.pressure_mpa, rel=1e-14)
     assert not found.both_senses
-    assert key_safety(ShaftKey(40.0, 3.3, 50.0, 300.0), 1e5, -1.0).both_senses
+    assert key_safety(ShaftKey(40.0, 3.3, 50.0, 300.0, 50.0), 1e5, -1.0).both_senses
 
 
 # Losses

@@ -70,7 +70,7 @@ def shaft(**changes: Any) -> Any:
     part.stresses = Made(
         bending_amplitude_mpa=40.0, bending_mean_mpa=5.0, torsion_amplitude_mpa=20.0, torsion_mean_mpa=10.0
     )
-    key = Made(pressure_mpa=50.0, safety=2.0, both_senses=False, key=Made(length_mm=20.0))
+    key = Made(pressure_mpa=50.0, safety=2.0, both_senses=False, key=Made(length_mm=20.0, longest_mm=41.0))
     values = {"bearings": (bearing(), bearing()), "most_bent": Made(moment_n_mm=7e4, at_mm=12.0), "shaft": part}
     values |= {
         "words": "driving shaft",
@@ -192,6 +192,8 @@ def test_parts_that_do_not_hold_are_told_with_values_that_do() -> None:
     assert "50 MPa, and 25 MPa are allowed" in pressed
     assert "length_mm: 40" in pressed
 
+    weak.key.key.longest_mm = 39.0
+    assert "a thicker shaft, or a hub with a longer key" in str([one.remedies for one in _of_shaft(DRIVING, weak)])
     weak.key.safety = 0.8
     weak.jammed = Made(static_n=(9e3, 1e3), static_safety=(0.5, 3.0), yielding=1.2 / 8.0)
     weak.jammed_key = weak.key

@@ -210,7 +210,9 @@ def test_a_force_beyond_the_rating_is_told_where_teeth_would_not_hold_it(
     loads: Any = Made(contacts=Made(force_n=np.array([8.0, 5.0])), stresses=Made(dynamic_factor=np.array([2.0, 1.0])))
     rating = Rating(loads, Made(), weakest)  # type: ignore[arg-type]
     monkeypatch.setattr(strength_advice, "known_rating", lambda _: rating)
-    found = strength_advice.pressed_in_time(Made(conditions=Made(application_factor=1.25)), force_n)
+    drive: Any = Made(conditions=Made(application_factor=1.25), design=Made(simulation=Made(start="rest", motor=None)))
+    found = strength_advice.pressed_in_time(drive, force_n)
     assert (found is None) == (safety is None)
     if found is not None:
         assert f"{force_n / 20.0:.3g} times what is rated: safety {safety} against breakage, 1.4 wanted" in found.what
+        assert found.meaning.endswith("without simulation.motor the driving gear meets a resting one at full speed")

@@ -99,11 +99,17 @@ def test_a_shaft_is_in_its_first_position_again_after_as_many_cycles_as_its_gear
 def test_a_key_bears_over_its_height_in_the_hub() -> None:
     """A keyway 3.4 mm deep leaves 3 mm beside the play; 60 N m on 40 mm of diameter and 20 mm of length are 50 MPa."""
 
-    def key(depth: float | None = 3.4, height: float | None = None, yield_mpa: float | None = None) -> Any:
+    def key(
+        depth: float | None = 3.4,
+        height: float | None = None,
+        yield_mpa: float | None = None,
+        length: float | None = None,
+    ) -> Any:
         keyway = None if depth is None else Made(depth_mm=depth)
-        given = Made(key=Made(height_mm=height, length_mm=None, yield_mpa=yield_mpa))
+        given = Made(key=Made(height_mm=height, length_mm=length, yield_mpa=yield_mpa))
+        body = Made(keyway=keyway, hub=Made(height_mm=6.0))
         design: Any = Made(
-            gears=Made(driving=Made(keyway=keyway), driven=Made(keyway=None), face_width_mm=20.0),
+            gears=Made(driving=body, driven=Made(keyway=None), face_width_mm=20.0),
             shafts=[("driving shaft", "driving_shaft", given)],
             gears_on=lambda number: ("driving",),
         )
@@ -118,6 +124,9 @@ def test_a_key_bears_over_its_height_in_the_hub() -> None:
     assert key(yield_mpa=150.0).safety == pytest.approx(key().safety / 2.0)
     assert key(yield_mpa=900.0).safety == pytest.approx(key().safety)
     assert key().both_senses
+    assert key(length=26.0).pressure_mpa == pytest.approx(pressure * 20.0 / 26.0)
+    with pytest.raises(WrongInput, match="26 or less is right"):
+        key(length=26.1)
     for depth in (None, free, 0.5 * free):
         with pytest.raises(WrongInput):
             key(depth=depth)

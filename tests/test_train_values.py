@@ -374,6 +374,10 @@ def test_a_counterweight_is_told_that_takes_a_tenth_off(left: float, balanced: b
     assert found["tooth_forces_max_n"] == pytest.approx({"sun and idler": 4.0})
     assert found["axis_forces_max_n"] == pytest.approx({"planet": 9.0, "idler": 1.0})
     assert ("on the axes", "planet 9 N; idler 1 N at most") in told.rows
+    # 20 N beside 30 t are next to nothing
+    heavy = replace(loads, mass_kg=30e3), joints
+    at_rest = told_of(carried(), "compound", (pair, pair), radians(20.0), None, None, 0.0, heavy)
+    assert {one.name: one.holds for one in at_rest.conditions}["balance"]
     assert (found["torque_min_n_m"], found["torque_max_n_m"], found["torque_mean_n_m"]) == pytest.approx(
         (-2.0, 4.0, 1.0)
     )

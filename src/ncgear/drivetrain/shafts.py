@@ -231,12 +231,16 @@ FREE_HEIGHT_MM = 0.4
 
 @dataclass(frozen=True)
 class ShaftKey:
-    """A key in its way: diameter of the shaft, carrying height and length in mm, least yield strength in MPa."""
+    """A key in its way: diameter of the shaft, carrying height and length in mm, least yield strength in MPa.
+
+    ``longest_mm`` is the length of the gear with its hub.
+    """
 
     diameter_mm: float
     height_mm: float
     length_mm: float
     yield_mpa: float
+    longest_mm: float
 
 
 @dataclass(frozen=True)

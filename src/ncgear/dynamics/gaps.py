@@ -141,10 +141,13 @@ def _widths(placement: Placement) -> Array:
 
 
 def _breaks(placement: Placement) -> Array:
-    """Ends of all intervals; gears that turn less than once have a further end beyond their range."""
+    """Ends of all intervals; gears that turn less than once have a further end beyond their range.
+
+    The first position has rolled nothing: its angle is 0 but for rounding, and no angle may lie before all intervals.
+    """
     phi1 = placement.phi1_rad
     end = placement.cycle_rad if placement.toothed is None else phi1[-1] + (phi1[-1] - phi1[-2])
-    return np.append(phi1, end)
+    return np.concatenate([[0.0], phi1[1:], [end]])
 
 
 def reach_rad(rows: Rows, placement: Placement) -> Array:

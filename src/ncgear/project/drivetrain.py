@@ -257,7 +257,8 @@ def _key(
         return None
     found = []
     for gear, (least, most) in zip(design.gears_on(number), torques_n_mm, strict=True):
-        height, keyway = key.height_mm, getattr(gears, gear).keyway
+        body = getattr(gears, gear)
+        height, keyway = key.height_mm, body.keyway
         if height is None:
             if keyway is None:
                 raise WrongInput(f"given, but gears.{gear} has no keyway; give one, or height_mm", key=where)
@@ -267,8 +268,14 @@ def _key(
                     f"missing; a keyway {keyway.depth_mm:g} mm deep leaves nothing over {FREE_HEIGHT_MM:g} mm of play",
                     key=f"{where}.height_mm",
                 )
+        longest = gears.face_width_mm + (body.hub.height_mm if body.hub else 0.0)
         yields, length = section.yield_mpa, key.length_mm or gears.face_width_mm
-        made = ShaftKey(section.diameter_mm, height, length, min(yields, key.yield_mpa or yields))
+        if length > longest:
+            raise WrongInput(
+                f"{length:g} given, but the gear with its hub is {longest:g} mm long; {longest:g} or less is right",
+                key=f"{where}.length_mm",
+            )
+        made = ShaftKey(section.diameter_mm, height, length, min(yields, key.yield_mpa or yields), longest)
         found.append(key_safety(made, most, least))
     weakest = min(found, key=lambda one: one.safety)
     return replace(weakest, both_senses=any(one.both_senses for one in found))

@@ -111,6 +111,9 @@ CLOSED_RAD = 1e-9
 WORTH = 0.1
 """Share of the greatest shaking force that a counterweight must remove to be worth its weight."""
 
+FELT, GRAVITY_M_S2 = 1e-3, 9.80665
+"""Share of the weight of all parts under which nobody feels that they shake their frame."""
+
 
 def _of_loads(
     loads: TrainLoads,
@@ -143,7 +146,8 @@ def _of_loads(
         "counterweight_deg": where,
         "shaking_force_left_max_n": left,
     }
-    needed = left < (1.0 - WORTH) * now
+    # Forces of a train that hardly moves are rounding beside its weight
+    needed = left < (1.0 - WORTH) * now and now > FELT * loads.mass_kg * GRAVITY_M_S2
     would = f"{weight:.4g} kg mm on the carrier, at first at {where:.4g} deg, would leave {left:.4g} of {now:.4g} N"
     balanced = f"no counterweight on the carrier takes a tenth off its {now:.4g} N"
     balance = TrainCondition("balance", not needed, would if needed else balanced)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from math import degrees
+from math import degrees, inf
 from typing import TYPE_CHECKING
 
 from ncgear.design.words import listed
@@ -31,7 +31,7 @@ def around(drive: Drive) -> Iterator[Advice | NotJudged]:
     if given and given.flywheel_diameter_mm is not None and found.disc is None:
         what = "drivetrain.flywheel_diameter_mm is given, and no disc is needed: what turns has inertia enough"
         yield replace(_advice(what, "leave it out"), matters=False)
-    for named, shaft in zip(drive.design.shafts, found.shafts, strict=True):
+    for named, shaft in sorted(zip(drive.design.shafts, found.shafts, strict=True), key=_least_safety):
         if shaft is not None:
             yield from _of_bearings(named, shaft, found.wanted.hours)
             yield from _of_shaft(named, shaft)
@@ -57,6 +57,11 @@ def of_bores(drive: Drive) -> Iterator[Advice]:
                     f"the {words} of {given.diameter_mm:.10g} mm is loose in a bore of {bore_mm:.10g} mm",
                     f"drivetrain.{key}.diameter_mm: {bore_mm:.10g}, or gears.{gear}.bore_mm: {given.diameter_mm:.10g}",
                 )
+
+
+def _least_safety(one: tuple[NamedShaft, ShaftResult | None]) -> float:
+    strong = one[1].shaft if one[1] else None
+    return min(strong.fatigue, strong.yielding) if strong else inf
 
 
 def motor(drive: Drive) -> Iterable[Advice | NotJudged]:
@@ -165,9 +170,12 @@ def _dented(shaft: NamedShaft, letter: str, most_n: float, safety: float | None,
 def _crushed(shaft: NamedShaft, key: KeySafety | None, when: str = "") -> Iterator[Advice]:
     if key is not None and key.safety < 1.0:
         most, allowed = (fixed(pressure, 0) for pressure in (key.pressure_mpa, key.pressure_mpa * key.safety))
-        longer = _at_least(f"drivetrain.{shaft.key}.key.length_mm", key.key.length_mm / key.safety)
+        needed = key.key.length_mm / key.safety
+        longer = _at_least(f"drivetrain.{shaft.key}.key.length_mm", needed) if needed <= key.key.longest_mm else ""
         what = f"{when}the pressure on the key of the {shaft.words} is {most} MPa, and {allowed} MPa are allowed"
-        yield _advice(what, f"{longer}, or a thicker shaft")
+        yield _advice(
+            what, f"{longer}, or a thicker shaft" if longer else "a thicker shaft, or a hub with a longer key"
+        )
 
 
 def _of_shaft(shaft: NamedShaft, found: ShaftResult) -> Iterator[Advice]:
