@@ -112,15 +112,23 @@ TENTHS = 10
 def most_backlash(pair: Drive, good: Good, seconds: float) -> Least:
     """The greatest backlash, in tenths of the given one, with which a pair is good, can be made, and jams no more."""
     key = backlash_key(pair.gears)
-    given, jammed = getattr(pair.gears, key), max(jamming_of(pair).share, MOST_JAMMED)
+    given, jammed = getattr(pair.gears, key), max(_jammed(pair), MOST_JAMMED)
 
     def less(tenths: int) -> Changes:
         return {f"gears.{key}": float(f"{given * (TENTHS - tenths) / TENTHS:.3g}")}
 
     def turns(changed: Drive) -> bool:
-        return good(changed) and jamming_of(changed).share <= jammed
+        return good(changed) and _jammed(changed) <= jammed
 
     return _least(pair, less, turns, seconds, (0, TENTHS, 1))
+
+
+def _jammed(pair: Drive) -> float:
+    """The share of assemblies that jam; 0 where no grade of tolerances holds for the gears, so that none is known."""
+    try:
+        return jamming_of(pair).share
+    except DesignError:
+        return 0.0
 
 
 def _least(
