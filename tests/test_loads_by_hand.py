@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import acos, atan, cos, hypot, pi, sin, sqrt, tan
 from types import SimpleNamespace
 from typing import Any
@@ -171,13 +172,14 @@ def test_a_root_bears_what_the_standard_says_of_a_load_on_the_flank(gear: Gear) 
     rows = np.full((1, 1), 100.0), np.array([0.01]), np.full((1, 1), 1.0), np.full((1, 1), 0.1)
     teeth = np.array([[[20.0]], [[40.0]]])
     rims = (lambda phi: 1.0 + phi, lambda phi: 1.2 + phi)
-    plan = ToothPlan(RACK, 1.0, (0.2, -0.1), (ANGLE, ANGLE), None, rims)
+    plan = ToothPlan(RACK, 1.0, (0.2, -0.1), (ANGLE, ANGLE), None, rims, thinner=(0.05, 0.1))
     running: Any = Made(module_mm=MODULE)
     shared = SharedLoad(load, ANGLE, *rows, teeth, np.zeros((1, 1), dtype=int))
     ((found,),) = without_teeth._root_stress(shared, gear, plan, running)
     radius = RADII[place]
     at = hypot(radius * cos(ANGLE), radius * sin(ANGLE) + (1.0 if gear is Gear.DRIVING else 0.0))
     section = root_section(float(TEETH[place]), plan.shifts[place], RACK, ANGLE)
+    section = replace(section, chord=section.chord - plan.thinner[place])
     factors = root_factors(section, float(TEETH[place]), plan.shifts[place], 2.0 * at / MODULE, ANGLE)
     rim = 1.5 if gear is Gear.DRIVING else 1.7
     assert found == pytest.approx(rim * 100.0 * cos(ANGLE) / MODULE * factors.form * factors.notch)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache, partial
-from math import ceil, inf, isfinite, lcm, pi, radians, sin
+from math import ceil, cos, inf, isfinite, lcm, pi, radians, sin
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -102,7 +102,7 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
     if design.stages > 1 and drive.stage is None:
         return None
     try:
-        load = rolled_load(drive)
+        load, plan = rolled_load(drive), tooth_plan(drive)
     except DesignError as error:
         # Pitch curves and forces may be refused; a check does not need them.
         return RoughStrength((), error.problem)
@@ -110,7 +110,7 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
         return RoughStrength((), "no given load presses the teeth at any angle")
     if np.any(load.force_n < 0.0):
         return RoughStrength((), "the teeth cannot push the driven gear at every angle")
-    plan, running, conditions = tooth_plan(drive), drive.running, drive.conditions
+    running, conditions = drive.running, drive.conditions
     sides = shared_loads(load, plan, running, drive.materials)
     asked, borne = asked_of(drive), None
     if asked.knocks_are_judged:
@@ -277,7 +277,12 @@ def tooth_plan(drive: Drive) -> ToothPlan:
     tip = RackTip(rack.dedendum, rack.root_radius)
     rims = partial(_rims, drive, Gear.DRIVING), partial(_rims, drive, Gear.DRIVEN)
     helix = (drive.helix.angle_rad, drive.helix.largest_advance_mm) if drive.helix else (0.0, 0.0)
-    return ToothPlan(tip, rack.addendum, shifts, (radians(pushing), radians(idle)), form.rack.relief, rims, *helix)
+    play = drive.play
+    both_mm, own_mm = play.largest_normal_mm.value / cos(radians(idle)), play.setback_mm - play.thicker_mm
+    # The deviation of both thicknesses is in the play already
+    thinner = own_mm / module, (both_mm - own_mm) / module
+    angles = radians(pushing), radians(idle)
+    return ToothPlan(tip, rack.addendum, shifts, angles, form.rack.relief, rims, *helix, thinner)
 
 
 def _rims(drive: Drive, gear: Gear, phi1_rad: Array) -> Array:

@@ -111,7 +111,8 @@ class ToothPlan:
     """The plan of the teeth: rack and both gears' shifts in modules, angles of both sides, relief in mm.
 
     ``rims`` are Y_B of both gears by driving angles in rad, shape (n,).  ``advance_mm`` is the advance of helical teeth
-    along the pitch line over the face width (of herringbone teeth: over half of it).
+    along the pitch line over the face width (of herringbone teeth: over half of it).  ``thinner`` is what play takes
+    off the teeth of both gears, in modules.
     """
 
     rack: RackTip
@@ -122,6 +123,7 @@ class ToothPlan:
     rims: tuple[AtAngles, AtAngles] = (np.ones_like, np.ones_like)
     helix_rad: float = 0.0
     advance_mm: float = 0.0
+    thinner: tuple[float, float] = (0.0, 0.0)
 
     def sections(self, pitch_mm: float) -> int:
         """Number of sections of the face width."""
@@ -365,6 +367,7 @@ def _root_stress(one: SharedLoad, gear: Gear, plan: ToothPlan, running: Running)
     teeth, across, shift = plan.virtual(teeth, angle), atan(tan(angle) * slender), plan.shifts[place] / slender
     rack = replace(plan.rack, dedendum=plan.rack.dedendum / slender)
     section = root_section(teeth, shift, rack, across)
+    section = replace(section, chord=section.chord - plan.thinner[place] / slender)
     factors = root_factors(section, teeth, shift, teeth + over / slender, across)
     nominal = plan.rims[place](one.load.phi1_rad) * one.line_n_mm * cos(angle) / (running.module_mm * slender)
     return np.asarray(nominal * factors.form * factors.notch)
