@@ -207,9 +207,10 @@ def test_a_force_beyond_the_rating_is_told_where_teeth_would_not_hold_it(
         Weakest(**life, damage=Damage.BENDING, safety=2.0, wanted=1.4),
         Weakest(**life, damage=Damage.CONTACT, safety=1.3, wanted=1.0),
     )
-    loads: Any = Made(contacts=Made(force_n=np.array([8.0, 5.0])), stresses=Made(dynamic_factor=np.array([2.0, 1.0])))
-    rating = Rating(loads, Made(), weakest)  # type: ignore[arg-type]
+    rating = Rating(Made(), Made(), weakest)
     monkeypatch.setattr(strength_advice, "known_rating", lambda _: rating)
+    vibrating = Made(peak_tooth_force_vibrating_n=16.0)
+    monkeypatch.setattr(strength_advice, "vibration_of_rating", lambda _, rated: vibrating if rated is rating else None)
     drive: Any = Made(conditions=Made(application_factor=1.25), design=Made(simulation=Made(start="rest", motor=None)))
     found = strength_advice.pressed_in_time(drive, force_n)
     assert (found is None) == (safety is None)

@@ -167,9 +167,8 @@ class Cycle:
 
     ``breaks_rad`` (shape (m,)) are the driving angles between which loads and their sizes are smooth, ends included.
     ``weight_rad`` (shape (n,)) are the weights of an integral over the driving angle.  Searches for largest values
-    begin at the driving angles of ``loads``.  ``mesh_shares`` are the shares
-    of its torque that friction between the teeth of each pair takes, which its loads count.  With ``knocking`` they are
-    the loads of teeth that knock.
+    begin at the driving angles of ``loads``.  ``mesh_shares`` are the shares of its torque that friction between the
+    teeth of each pair takes, which its loads count.  With ``knocking`` they are the loads of teeth that knock.
     """
 
     rigid: RigidMachine

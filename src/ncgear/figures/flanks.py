@@ -83,15 +83,15 @@ FILM = ("film_um", "film_phi1_rad", "specific_film_thickness")
 """Columns of the oil's film at a place of contact."""
 
 
-def _film_cells(film: Film) -> list[tuple[object, ...]]:
+def _film_columns(film: Film) -> list[list[object]]:
     columns = film.film_um, film.contacts.phi1_rad, film.film_um / film.roughness_um
-    return list(zip(*(one.tolist() for one in columns), strict=True))
+    return [one.tolist() for one in columns]
 
 
 def film_csv(film: Film) -> str:
     """A row for each computed place of contact, with the numbers of both teeth and of the section of the width."""
     numbers = *(film.contacts.on(gear).tooth.tolist() for gear in Gear), (film.contacts.section + 1).tolist()
-    rows = zip(*numbers, *zip(*_film_cells(film), strict=True), strict=True)
+    rows = zip(*numbers, *_film_columns(film), strict=True)
     return rows_text(("driving_tooth", "driven_tooth", "section", *FILM), rows)
 
 
@@ -99,7 +99,7 @@ def film_of_teeth(film: Film | None, gear: Gear) -> dict[int, tuple[object, ...]
     """The cells below FILM of the thinnest film of each tooth of a gear that touches, by its number."""
     if film is None:
         return {}
-    cells, tooth = _film_cells(film), film.contacts.on(gear).tooth
+    cells, tooth = list(zip(*_film_columns(film), strict=True)), film.contacts.on(gear).tooth
     thinnest = largest_rows(-film.film_um, tooth, int(tooth.max(initial=0)) + 1)
     return {number: cells[row] for number, row in enumerate(thinnest.tolist()) if row >= 0}
 

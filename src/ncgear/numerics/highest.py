@@ -1,9 +1,8 @@
 """Largest values of functions, and hulls of curves, that can only be evaluated: no derivative, kinks and jumps allowed.
 
 From samples the search closes in on every interval that may hold the highest value by the slopes beside it, or may lead
-out of the hull.  It does
-not see a peak wholly between two neighbouring samples: the caller must choose places that show what the function does,
-such as the steps of a solver that controls its error.
+out of the hull.  It does not see a peak wholly between two neighbouring samples: the caller must choose places that
+show what the function does, such as the steps of a solver that controls its error.
 """
 
 from __future__ import annotations

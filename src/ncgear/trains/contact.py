@@ -105,11 +105,11 @@ def _greatest(value: Callable[[float], float], angles: Array, found: Array) -> t
     return best, at
 
 
-def _relative(train: Train, first: str, second: str) -> Callable[[Array], tuple[Array, Array]]:
+def _relative(train: Train, first: str, second: str) -> Callable[[Array], tuple[ComplexArray, ComplexArray]]:
     """Place and turn of the second part in the frame of the first, as complex numbers at driving angles."""
     numbers = train.number(first), train.number(second)
 
-    def at(driving_rad: Array) -> tuple[Array, Array]:
+    def at(driving_rad: Array) -> tuple[ComplexArray, ComplexArray]:
         poses = train.poses_at(driving_rad)
         (axis, turn), (other_axis, other_turn) = (poses.places(number) for number in numbers)
         return (other_axis - axis) / turn, other_turn / turn

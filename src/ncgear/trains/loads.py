@@ -134,6 +134,12 @@ class _Moving:
     spin: Array
     faster: Array
 
+    def needed(self, axis: ComplexArray, speed_rad_s: float, gravity_mm_s2: complex) -> tuple[ComplexArray, Array]:
+        """The force that the body needs at a driving speed, and its moment about an axis, shape (n,) each."""
+        force = self.body.kg * (self.acceleration * speed_rad_s**2 - gravity_mm_s2)
+        turning = ((self.center - axis).conj() * force).imag + self.body.kg_mm2 * self.faster * speed_rad_s**2
+        return force, turning
+
 
 def _moving(train: Train, poses: Poses, number: int, density_kg_m3: float, put: Sequence[PutMass]) -> _Moving:
     """The part ``number``; poses are those at POSITIONS even driving angles and at the end of the cycle."""
@@ -213,8 +219,7 @@ def turning_load(
         one = _moving(train, poses, number, density_kg_m3, put)
         body, arm = one.body, one.center - axis
         kg_mm2 = body.kg_mm2 + body.kg * float(np.abs(arm[0])) ** 2
-        needed = body.kg * (one.acceleration * speed**2 - gravity_mm_s2)
-        moment += (arm.conj() * needed).imag + body.kg_mm2 * one.faster * speed**2
+        moment += one.needed(axis, speed, gravity_mm_s2)[1]
         about_axis += kg_mm2
     turned = poses.angle_rad[own] - poses.angle_rad[driving]
     sense = float(np.sign(turned[-1] - turned[0]))
@@ -235,17 +240,16 @@ def joint_forces(
     speed = train.speed_rpm * RAD_S_PER_RPM
     poses = train.poses_at(np.append(_driving(train), train.cycle_rad))
     moving = [_moving(train, poses, number, density_kg_m3, put) for number in range(len(train.parts))]
-    axes = [poses.places(number)[0][:-1].astype(complex) for number in range(len(train.parts))]
+    axes = [poses.places(number)[0][:-1] for number in range(len(train.parts))]
     force: dict[str, ComplexArray] = {}
     moment: dict[str, Array] = {}
     for part, one in zip(train.parts, moving, strict=True):
         body = train.body(part)
         if body != GROUND and np.ptp(axes[train.number(body)].real) > 0.0:
-            needed = one.body.kg * (one.acceleration * speed**2 - gravity_mm_s2)
-            turning = ((one.center - axes[train.number(body)]).conj() * needed).imag
-            force[body] = force.get(body, 0.0) + needed
-            moment[body] = moment.get(body, 0.0) + turning + one.body.kg_mm2 * one.faster * speed**2
-    teeth, left = {}, list(train.meshes)
+            needed, turning = one.needed(axes[train.number(body)], speed, gravity_mm_s2)
+            force[body], moment[body] = force.get(body, 0.0) + needed, moment.get(body, 0.0) + turning
+    teeth: dict[tuple[str, str], ComplexArray] = {}
+    left = list(train.meshes)
     while left:
         meshes = {body: [mesh for mesh in left if body in _bodies(train, mesh)] for body in force}
         body, (mesh,) = next((name, own) for name, own in meshes.items() if len(own) == 1)
@@ -255,7 +259,7 @@ def joint_forces(
         sides = dict(zip(_bodies(train, mesh), (-1.0, 1.0), strict=True))
         lever = [sides[body] * ((point - axes[train.number(body)]).conj() * way).imag for way in ways]
         sizes = [moment[body] / one for one in lever]
-        found = np.where(sizes[0] >= 0.0, sizes[0] * ways[0], sizes[1] * ways[1])
+        found: ComplexArray = np.where(sizes[0] >= 0.0, sizes[0] * ways[0], sizes[1] * ways[1])
         teeth[mesh.first, mesh.second] = found / MM_PER_M
         for name in force.keys() & sides.keys():
             force[name] = force[name] - sides[name] * found

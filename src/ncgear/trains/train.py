@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.pitch.shape import Mesh
 
 MARGIN = 0.04
@@ -89,7 +89,7 @@ class Poses:
     y_mm: Array
     angle_rad: Array
 
-    def places(self, number: int) -> tuple[Array, Array]:
+    def places(self, number: int) -> tuple[ComplexArray, ComplexArray]:
         """Axis and turn of one part as complex numbers, shape (n,) each."""
         return self.x_mm[number] + 1j * self.y_mm[number], np.exp(1j * self.angle_rad[number])
 

@@ -84,8 +84,9 @@ def pressed_in_time(drive: Drive, force_n: float) -> Advice | None:
     rating = known_rating(drive)
     if not isinstance(rating, Rating):
         return None
-    rated_n = float((rating.strength.contacts.force_n * rating.strength.stresses.dynamic_factor).max())
-    rated_n *= drive.conditions.application_factor
+    if (vibrating := vibration_of_rating(drive, rating)) is None:
+        return None
+    rated_n = drive.conditions.application_factor * vibrating.peak_tooth_force_vibrating_n
     times = force_n / rated_n
     powers = {Damage.BENDING: 1.0, Damage.CONTACT: 0.5}
     weakest = min(rating.weakest, key=lambda one: one.safety / one.wanted / times ** powers[one.damage])
