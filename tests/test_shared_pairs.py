@@ -7,6 +7,7 @@ load of a single pair.
 from __future__ import annotations
 
 from functools import cache
+from itertools import pairwise
 
 import mpmath
 import numpy as np
@@ -28,6 +29,8 @@ resistance: {{expression_n_m: "{torque}"}}
 """
 # The square of 1 + 0.3 cos phi has the mean 1.045.
 SQUARE = '{law: ratio_expression, ratio: "1.045/(1 + 0.3*cos(phi))**2"}'
+# The cube has the mean 1.135.
+CUBE = '{law: ratio_expression, ratio: "1.135/(1 + 0.3*cos(phi))**3"}'
 JOINTED = '{law: ratio_expression, ratio: "1 + 0.2*abs(sin(phi))", scale_to_close: true}'
 EVEN = "{law: harmonic_ratio}"
 
@@ -37,8 +40,9 @@ def made(law: str, pairs: int, torque: str = "10", more: str = "") -> Drive:
     return drive_of_text(MACHINE.format(law=law, pairs=pairs, torque=torque, more=more))
 
 
-def test_the_root_of_a_square_has_a_closed_form() -> None:
-    first, second = made(SQUARE, 2).law.train.pairs
+@pytest.mark.parametrize(("law", "sharing"), [(SQUARE, "even"), (CUBE, "[0.5, 1]")])
+def test_the_root_of_a_power_has_a_closed_form(law: str, sharing: str) -> None:
+    first, second = made(law, 2, more=f", sharing: {sharing}").law.train.pairs
     phi1 = np.linspace(0.0, 2.0 * np.pi, 90)
     angle = first.transmission.driven_angle(phi1, 3)
     assert angle.value == pytest.approx(phi1 + 0.3 * np.sin(phi1), abs=1e-14)
@@ -88,6 +92,27 @@ def test_all_pairs_together_make_the_whole_law_and_share_its_logarithm(law: str)
     assert len(drive.law.train.pairs[0].transmission.pieces) == len(drive.transmission.pieces)
 
 
+@pytest.mark.parametrize("count", [2, pytest.param(3, marks=pytest.mark.slow)])
+def test_pairs_share_a_law_at_equal_pressure_angles(count: int) -> None:
+    """Judged by the angles of pitch curves in closed form, from speeds that the mean over a turn brings round."""
+    wild = '{law: ratio_expression, ratio: "1/(1 + 0.6*cos(phi))**2", scale_to_close: true}'
+    drive = made(wild, count, more=", sharing: pressure_angle")
+    phi1 = np.linspace(0.0, 2.0 * np.pi, 20_001)
+    base = 1.0 + 0.6 * np.cos(phi1)
+    bend = 0.6 * np.sin(phi1) / base
+    logarithms = [np.ptp(np.log(one.transmission.driven_angle(phi1, 1).derivative(1))) for one in drive.law.train.pairs]
+    parts = 2.0 * np.cumsum(logarithms) / sum(logarithms)
+    speeds = [np.ones_like(phi1), *(base**part / np.mean(base[1:] ** part) for part in parts)]
+    steepest = [
+        np.abs(part * bend / (before + after)).max()
+        for part, (before, after) in zip(np.diff(parts, prepend=0.0), pairwise(speeds), strict=True)
+    ]
+    assert steepest == pytest.approx([steepest[0]] * count, rel=1e-5)
+    told = [one.pitch.largest_pressure_angle_deg(0.0) for one in drive.by_stage]
+    assert told == pytest.approx(np.degrees(np.arctan(steepest)), rel=1e-5)
+    assert max(told) < 0.9 * max(one.pitch.largest_pressure_angle_deg(0.0) for one in made(wild, count).by_stage)
+
+
 def test_every_pair_passes_the_power_of_the_driven_shaft() -> None:
     drive = made(SQUARE, 3, "10 + 4*sin(x)")
     phi1 = np.linspace(0.0, 2.0 * np.pi, 60)
@@ -125,6 +150,7 @@ def test_shafts_between_have_names() -> None:
         ("{law: harmonic_ratio, second_stage: {}}", "", "gears.pairs", "motion.second_stage shares the ratio already"),
         ('{law: ratio_expression, ratio: "2", range_deg: 90}', "", "gears.pairs", "over a range, less than a turn"),
         (EVEN, ", lobes: {driving: 2, driven: 2}", "gears.lobes", "one lobe each"),
+        (EVEN, ", sharing: [1, 2]", "gears.sharing", "2 given for three parts of three pairs"),
     ],
 )
 def test_what_cannot_be_shared_out_is_refused(law: str, more: str, key: str, said: str) -> None:
@@ -132,6 +158,12 @@ def test_what_cannot_be_shared_out_is_refused(law: str, more: str, key: str, sai
         made(law, 3, "10", more)
     assert wrong.value.key == key
     assert said in wrong.value.problem
+
+
+def test_one_pair_shares_nothing() -> None:
+    with pytest.raises(WrongInput, match="one pair has the whole ratio") as wrong:
+        made(EVEN, 1, "10", ", sharing: even")
+    assert wrong.value.key == "gears.sharing"
 
 
 def test_a_stage_that_is_not_there_is_refused() -> None:

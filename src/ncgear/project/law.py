@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from math import degrees, isclose, pi
+from math import degrees, isclose, pi, tan
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.mechanisms.resistance import FormulaResistance, PolynomialResistance, Resistance, TableResistance
 from ncgear.mechanisms.slider_load import NO_RESISTANCE, SliderLoad
 from ncgear.numerics.bounds import shown_below
-from ncgear.ratio.transmission import CLOSED, Law, Lobes
+from ncgear.ratio.transmission import CLOSED, Law, Lobes, PairsInSeries, Transmission
 from ncgear.wishes.wish import Wish
 
 
@@ -40,9 +40,44 @@ def law_of(design: Design) -> Law:
         return replace(law, train=row_train(laws))
     if gears is None or gears.pairs == 1:
         return law
+    parts = [1.0] * gears.pairs if isinstance(gears.sharing, str) else list(gears.sharing)
+    share = _with_even_angles if gears.sharing == "pressure_angle" else _shared_out
+    return replace(law, train=share(law.transmission, parts))
+
+
+def _shared_out(whole: Transmission, parts: list[float]) -> PairsInSeries:
     from ncgear.ratio.laws.row import shared_out
 
-    return replace(law, train=shared_out(law.transmission, gears.pairs))
+    return shared_out(whole, parts)
+
+
+AS_STEEP = 1e-8
+"""Largest difference of the pairs' greatest tangents of pressure angles that counts as none, as a share of them: told
+are four digits of the angles."""
+
+MOST_SHARINGS = 100
+"""Steps in which the angles become even: 6 to 20 for laws of 3 to 60 degrees (tests/test_shared_pairs.py)."""
+
+
+def _with_even_angles(whole: Transmission, parts: list[float]) -> PairsInSeries:
+    """A law shared out so that the curves of all pairs lean equally much at most, with ``parts`` to begin with.
+
+    A pair's tangent is its part times what changes little with the part, so parts over tangents come near step by step.
+    """
+    from ncgear.pitch.pair import largest_tangent_angle_rad
+
+    for _ in range(MOST_SHARINGS):
+        train = _shared_out(whole, parts)
+        steepest = [tan(largest_tangent_angle_rad(pair.transmission).value) for pair in train.pairs]
+        if max(steepest) - min(steepest) <= AS_STEEP * max(steepest):
+            return train
+        nearer = [part / slope for part, slope in zip(parts, steepest, strict=True)]
+        parts = [part / sum(nearer) for part in nearer]
+    raise NoSuchMechanism(
+        f"no parts of the ratio were found that give all {len(parts)} pairs the same pressure angle; even, or a list "
+        "of parts, is right",
+        key="gears.sharing",
+    )
 
 
 def _given_law(design: Design) -> Law:

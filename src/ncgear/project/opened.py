@@ -355,4 +355,4 @@ def _in_common(one: Design, other: Design) -> tuple[str, ...]:
 
 def _series(design: Design) -> tuple[object, ...]:
     """The keys that make pairs in series of a law."""
-    return (design.gears.pairs, design.gears.idlers) if design.gears else (1, None)
+    return (design.gears.pairs, design.gears.sharing, design.gears.idlers) if design.gears else (1, "even", None)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union
 
 from pydantic import Field, PrivateAttr, TypeAdapter, create_model
 
-from ncgear.design.keys.base import FILE_FORMAT, Faults, FileFormat, Model, fault, given, optional, required
+from ncgear.design.keys.base import FILE_FORMAT, Faults, FileFormat, Model, counts, fault, given, optional, required
 from ncgear.design.keys.choices import Choices
 from ncgear.design.keys.drivetrain import Drivetrain, NamedShaft, bodies_on, named_shafts, shaft_faults
 from ncgear.design.keys.gears import SIZES, Gears
@@ -339,9 +339,16 @@ class Design(Model, Shown):
                 )
 
     def _shared_out(self) -> Faults:
-        pairs = self.gears.pairs if self.gears else 1
-        if pairs == 1:
+        if self.gears is None:
             return
+        pairs, sharing = self.gears.pairs, self.gears.sharing
+        if pairs == 1:
+            if "sharing" in self.gears.model_fields_set:
+                said = "given, but one pair has the whole ratio; leave it out, or give gears.pairs"
+                yield fault("gears.sharing", said)
+            return
+        if not isinstance(sharing, str):
+            yield from counts("gears.sharing", len(sharing), pairs, "part", f"of {COUNTS[pairs]} pairs")
         reasons = {
             f"{self.motion.law} gives the gears over a range, less than a turn": self.motion.is_open,
             f"the distance of the axes follows from {self.motion.law}": self.motion.gives_center_distance,

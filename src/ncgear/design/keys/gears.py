@@ -260,6 +260,9 @@ class Idlers(Model):
         return (0.0, *accumulate(map(radians, self.bends_deg or [0.0] * len(self.lobes))))
 
 
+Parts = Annotated[Several[Annotated[float, Field(gt=0.0, le=1000.0)]], Field(min_length=2, max_length=MOST_PAIRS)]
+
+
 class Gears(Model):
     """The pair of gears: lobes, size, rack, backlash, bodies."""
 
@@ -276,11 +279,16 @@ class Gears(Model):
     )
     lobes: Lobes = optional("lobes of each gear; left out: one each", Lobes)
     pairs: int = optional(
-        "pairs in series that make the ratio, a whole number, each as these keys describe: each takes an equal part of "
-        "the logarithm of the ratio",
+        "pairs in series that make the ratio, a whole number, each as these keys describe: each takes a part of the "
+        "logarithm of the ratio",
         1,
         ge=1,
         le=MOST_PAIRS,
+    )
+    sharing: Literal["even", "pressure_angle"] | Parts = optional(
+        "how pairs in series share the logarithm of the ratio: even, in equal parts; pressure_angle, so that the "
+        "largest pressure angles of all pairs are equal; or a list of the parts, in any unit, as [3, 2]",
+        "even",
     )
     idlers: Idlers | None = optional(
         "gears by themselves: further gears in a row, so that the driven gear of a pair drives the next; left out: none"

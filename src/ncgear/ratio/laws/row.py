@@ -1,11 +1,12 @@
-"""The laws of pairs that share a law: in series with equal shares, or in a row of gears on fixed axes.
+"""The laws of pairs that share a law: in series, each with a part of it, or in a row of gears on fixed axes.
 
-In series: with F(phi1) the driven angle of the whole and n pairs, shaft k, the k-th after the driving shaft, turns by
+In series: with F(phi1) the driven angle of the whole and p_k the part of the first k pairs, shaft k, the k-th after the
+driving shaft, turns by
 
-    S_k = c_k integral of (dF/dphi1)^(k/n),   c_k such that the shaft comes round with the crank.
+    S_k = c_k integral of (dF/dphi1)^p_k,   c_k such that the shaft comes round with the crank.
 
-So at each instant ln i12 of every pair is the n-th part of the whole's, but for a constant.  S_0 = phi1 and S_n = F;
-pair k turns shaft k + 1 by shaft k, with the law S_k+1 of the inverse of S_k.
+So at each instant ln i12 of every pair is its part of the whole's, but for a constant.  S_0 = phi1 and S_n = F; pair k
+turns shaft k + 1 by shaft k, with the law S_k+1 of the inverse of S_k.
 
 In a row each gear meshes with the next, so an idler meshes with two mates.  Gear 0 drives; gear k turns by theta_k, in
 the sense of the driving gear where k is even.  The law of the first mesh is given, and gives the curve of gear 1.  A
@@ -59,8 +60,8 @@ def shared_angle(before: SharedShaft, after: SharedShaft, piece: Piece, angle_ra
     return jet.by_other(values, after.rate(slope) / pace, 1.0 / pace)
 
 
-def shared_out(whole: Transmission, count: int) -> PairsInSeries:
-    """The law of a whole, one lobe of each gear, shared out evenly over ``count`` pairs in series."""
+def shared_out(whole: Transmission, parts: Sequence[float]) -> PairsInSeries:
+    """The law of a whole, one lobe of each gear, shared out over pairs in series, in proportion to ``parts`` > 0."""
 
     def speed_to(share: float) -> SharedShaft:
         with smooth_or_refused("motion"):
@@ -69,7 +70,7 @@ def shared_out(whole: Transmission, count: int) -> PairsInSeries:
         factor = 2.0 * pi / turned.final
         return SharedShaft(share, factor, Rising(PiecewiseChebyshev(turned.breaks, turned.coefficients * factor)))
 
-    shafts = [speed_to(number / count) for number in range(count + 1)]
+    shafts = [speed_to(sum(parts[:number]) / sum(parts)) for number in range(len(parts) + 1)]
     laws = [Transmission(tuple(_shared(one, *both) for one in whole.pieces), Lobes()) for both in pairwise(shafts)]
     driven = [behind(law, shaft.angle) for law, shaft in zip(laws[1:], shafts[1:-1], strict=True)]
     return PairsInSeries(whole, (on_driving_shaft(laws[0]), *driven))
