@@ -40,9 +40,9 @@ def made(law: str, pairs: int, torque: str = "10", more: str = "") -> Drive:
     return drive_of_text(MACHINE.format(law=law, pairs=pairs, torque=torque, more=more))
 
 
-@pytest.mark.parametrize(("law", "sharing"), [(SQUARE, "even"), (CUBE, "[0.5, 1]")])
-def test_the_root_of_a_power_has_a_closed_form(law: str, sharing: str) -> None:
-    first, second = made(law, 2, more=f", sharing: {sharing}").law.train.pairs
+@pytest.mark.parametrize(("law", "more"), [(SQUARE, ""), (CUBE, ", parts: [0.5, 1]")])
+def test_the_root_of_a_power_has_a_closed_form(law: str, more: str) -> None:
+    first, second = made(law, 2, more=more).law.train.pairs
     phi1 = np.linspace(0.0, 2.0 * np.pi, 90)
     angle = first.transmission.driven_angle(phi1, 3)
     assert angle.value == pytest.approx(phi1 + 0.3 * np.sin(phi1), abs=1e-14)
@@ -150,7 +150,8 @@ def test_shafts_between_have_names() -> None:
         ("{law: harmonic_ratio, second_stage: {}}", "", "gears.pairs", "motion.second_stage shares the ratio already"),
         ('{law: ratio_expression, ratio: "2", range_deg: 90}', "", "gears.pairs", "over a range, less than a turn"),
         (EVEN, ", lobes: {driving: 2, driven: 2}", "gears.lobes", "one lobe each"),
-        (EVEN, ", sharing: [1, 2]", "gears.sharing", "2 given for three parts of three pairs"),
+        (EVEN, ", parts: [1, 2]", "gears.parts", "2 given for three parts of three pairs"),
+        (EVEN, ", parts: [1, 2, 1], sharing: even", "gears.parts", "leave one of them out"),
     ],
 )
 def test_what_cannot_be_shared_out_is_refused(law: str, more: str, key: str, said: str) -> None:
@@ -160,10 +161,11 @@ def test_what_cannot_be_shared_out_is_refused(law: str, more: str, key: str, sai
     assert said in wrong.value.problem
 
 
-def test_one_pair_shares_nothing() -> None:
+@pytest.mark.parametrize(("key", "value"), [("sharing", "even"), ("parts", "[1, 2]")])
+def test_one_pair_shares_nothing(key: str, value: str) -> None:
     with pytest.raises(WrongInput, match="one pair has the whole ratio") as wrong:
-        made(EVEN, 1, "10", ", sharing: even")
-    assert wrong.value.key == "gears.sharing"
+        made(EVEN, 1, "10", f", {key}: {value}")
+    assert wrong.value.key == f"gears.{key}"
 
 
 def test_a_stage_that_is_not_there_is_refused() -> None:

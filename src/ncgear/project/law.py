@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from math import degrees, isclose, pi, tan
@@ -40,12 +40,11 @@ def law_of(design: Design) -> Law:
         return replace(law, train=row_train(laws))
     if gears is None or gears.pairs == 1:
         return law
-    parts = [1.0] * gears.pairs if isinstance(gears.sharing, str) else list(gears.sharing)
     share = _with_even_angles if gears.sharing == "pressure_angle" else _shared_out
-    return replace(law, train=share(law.transmission, parts))
+    return replace(law, train=share(law.transmission, gears.parts or (1.0,) * gears.pairs))
 
 
-def _shared_out(whole: Transmission, parts: list[float]) -> PairsInSeries:
+def _shared_out(whole: Transmission, parts: Sequence[float]) -> PairsInSeries:
     from ncgear.ratio.laws.row import shared_out
 
     return shared_out(whole, parts)
@@ -59,7 +58,7 @@ MOST_SHARINGS = 100
 """Steps in which the angles become even: 6 to 20 for laws of 3 to 60 degrees (tests/test_shared_pairs.py)."""
 
 
-def _with_even_angles(whole: Transmission, parts: list[float]) -> PairsInSeries:
+def _with_even_angles(whole: Transmission, parts: Sequence[float]) -> PairsInSeries:
     """A law shared out so that the curves of all pairs lean equally much at most, with ``parts`` to begin with.
 
     A pair's tangent is its part times what changes little with the part, so parts over tangents come near step by step.
@@ -74,8 +73,8 @@ def _with_even_angles(whole: Transmission, parts: list[float]) -> PairsInSeries:
         nearer = [part / slope for part, slope in zip(parts, steepest, strict=True)]
         parts = [part / sum(nearer) for part in nearer]
     raise NoSuchMechanism(
-        f"no parts of the ratio were found that give all {len(parts)} pairs the same pressure angle; even, or a list "
-        "of parts, is right",
+        f"no parts of the ratio were found that give all {len(parts)} pairs the same pressure angle; even is right, "
+        "or gears.parts",
         key="gears.sharing",
     )
 

@@ -355,4 +355,5 @@ def _in_common(one: Design, other: Design) -> tuple[str, ...]:
 
 def _series(design: Design) -> tuple[object, ...]:
     """The keys that make pairs in series of a law."""
-    return (design.gears.pairs, design.gears.sharing, design.gears.idlers) if design.gears else (1, "even", None)
+    gears = design.gears
+    return (gears.pairs, gears.sharing, gears.parts, gears.idlers) if gears else (1, "even", None, None)

@@ -341,14 +341,15 @@ class Design(Model, Shown):
     def _shared_out(self) -> Faults:
         if self.gears is None:
             return
-        pairs, sharing = self.gears.pairs, self.gears.sharing
+        pairs, shared = self.gears.pairs, [key for key in ("sharing", "parts") if key in self.gears.model_fields_set]
         if pairs == 1:
-            if "sharing" in self.gears.model_fields_set:
+            for key in shared:
                 said = "given, but one pair has the whole ratio; leave it out, or give gears.pairs"
-                yield fault("gears.sharing", said)
+                yield fault(f"gears.{key}", said)
             return
-        if not isinstance(sharing, str):
-            yield from counts("gears.sharing", len(sharing), pairs, "part", f"of {COUNTS[pairs]} pairs")
+        if len(shared) > 1:
+            yield fault("gears.parts", "given, and gears.sharing; leave one of them out")
+        yield from counts("gears.parts", len(self.gears.parts or ()), pairs, "part", f"of {COUNTS[pairs]} pairs")
         reasons = {
             f"{self.motion.law} gives the gears over a range, less than a turn": self.motion.is_open,
             f"the distance of the axes follows from {self.motion.law}": self.motion.gives_center_distance,

@@ -285,10 +285,13 @@ class Gears(Model):
         ge=1,
         le=MOST_PAIRS,
     )
-    sharing: Literal["even", "pressure_angle"] | Parts = optional(
+    sharing: Literal["even", "pressure_angle"] = optional(
         "how pairs in series share the logarithm of the ratio: even, in equal parts; pressure_angle, so that the "
-        "largest pressure angles of all pairs are equal; or a list of the parts, in any unit, as [3, 2]",
+        "largest pressure angles of all pairs are equal",
         "even",
+    )
+    parts: Parts | None = optional(
+        "parts of the logarithm of the ratio that pairs in series take, in any unit, as [3, 2], instead of sharing"
     )
     idlers: Idlers | None = optional(
         "gears by themselves: further gears in a row, so that the driven gear of a pair drives the next; left out: none"
