@@ -192,8 +192,8 @@ TOGETHER = Remedy("make teeth larger and gears wider together, or reduce their l
 """What is said where neither size alone would do, and no search tells both."""
 
 SAFE_SIDE = 1.1
-"""The most by which rough safeties are over those of the teeth, but where curvatures leap: a size that is told roughly
-is larger by what this takes."""
+"""The most by which rough safeties are over those of the teeth, but where curvatures leap or teeth knock (1.14): a size
+that is told roughly is larger by what this takes."""
 
 
 def _rough_remedies(drive: Drive, found: RoughStrength) -> tuple[Remedy, ...]:
