@@ -13,13 +13,14 @@ from engaged import LAWS, MODULE, RINGS, made
 from ncgear.dynamics.crank_load import CrankLoad, crank_load
 from ncgear.dynamics.gaps import Gaps, gaps_of
 from ncgear.dynamics.meshing import Friction, Impact, Meshing
-from ncgear.dynamics.motion_in_time import DriveLine, EvenDrive, ToothedMachine, law_table
+from ncgear.dynamics.motion_in_time import DriveLine, EvenDrive, Start, ToothedMachine, law_table, started
 from ncgear.dynamics.pair_places import PairPlaces
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.forces import RodMasses
 from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.periodic_table import PeriodicTable
+from ncgear.ratio.transmission import Transmission
 
 Array = np.ndarray
 
@@ -99,6 +100,14 @@ def even_load(inertia_kg_mm2: float, torque_n_mm: float) -> CrankLoad:
 def slider_load(force_n: tuple[float, ...] = (500.0,), masses: RodMasses = MASSES) -> CrankLoad:
     """A small crank-slider against a polynomial resistance."""
     return crank_load(LINKAGE, masses, SliderLoad(PolynomialResistance(force_n)))
+
+
+def begun(found: ToothedMachine, law: Transmission, start: Start) -> Array:
+    """The state in which a motion begins; a drive of constant speed strikes a driven gear that stands."""
+    state = started(found, law, start, found.drive.speed_rad_s)
+    if isinstance(found.drive, EvenDrive):
+        state[1] = found.drive.speed_rad_s
+    return state
 
 
 def mechanism(found: Meshing, load: CrankLoad, drive: DriveLine | None = None) -> ToothedMachine:

@@ -25,11 +25,11 @@ WITHOUT_GEARS = "baler-frontier"
 IN_STAGES = "baler-66-two-stage"
 SIMULATED = {"baler-dynamics", "baler-drivetrain"}
 """Pinned in tests/test_simulate_command.py and tests/test_drivetrain.py; laws are those of designs that are built."""
-SIZED = "baler-holds"
-"""Pinned in tests/test_sizing_strength.py."""
+SIZED, WITH_SHAFTS = "baler-holds", "crate-pusher"
+"""Pinned in tests/test_sizing_strength.py and tests/test_series_shafts.py."""
 WISHED = {"feeder-wishes", "feeder-kept", "jar-pusher"}
 """Without gears; pinned in tests/test_wishes.py and tests/test_motion_wish_levels.py."""
-OTHERS = {REFUSED, WITHOUT_GEARS, *WISHED, IN_STAGES, SIZED, *SIMULATED}
+OTHERS = {REFUSED, WITHOUT_GEARS, *WISHED, IN_STAGES, SIZED, WITH_SHAFTS, *SIMULATED}
 BUILT = sorted(MACHINES.keys() - OTHERS)
 
 

@@ -16,6 +16,7 @@ from loaded import (
     MASSES,
     SPEED,
     STIFFNESS,
+    begun,
     even_load,
     frictionless,
     mechanism,
@@ -55,7 +56,7 @@ HEAVY = 2e4
 
 
 def run(found: ToothedMachine, name: str, turns: float = 0.3, start: Start = Start.ON_LAW, **kinds: Any) -> Course:
-    return course(found, started(found, (LAWS | RINGS)[name](), start, found.drive.speed_rad_s), turns, **kinds)
+    return course(found, begun(found, (LAWS | RINGS)[name](), start), turns, **kinds)
 
 
 def pushing_meet_s(out: Course) -> Array:

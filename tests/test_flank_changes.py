@@ -163,6 +163,21 @@ def test_between_stretches_that_are_followed_the_teeth_bear_what_is_asked() -> N
     ]
 
 
+def test_a_knock_between_two_angles_counts_at_the_nearer_one_in_every_turn() -> None:
+    """A tip of 9 within 0.01 rad about 1.18 rad, and one of -4 about 1.14; the torque asked for is 1 all the time."""
+    stretch = FollowedStretch(
+        np.array([1.13, 1.14, 1.15, 1.17, 1.18, 1.19]), np.tile([1, -4, 1, 1, 9, 1.0], (2, 1)), []
+    )
+    found, angles = joined([stretch], np.ones_like, TURN), np.linspace(0.0, 2.0 * TURN, 40, endpoint=False)
+    for urge, torque, at in ((1.0, 9.0, 1.18), (-1.0, -4.0, 1.14)):
+        hardest = found.hardest(urge, angles)
+        rows = [int(np.abs(angles - place).argmin()) for place in (at, at + TURN)]
+        assert hardest[rows].tolist() == [torque, torque]
+        assert np.delete(hardest, rows) == pytest.approx(max(urge, 0.0))
+        assert np.abs(found.at(angles)).max() == 1.0
+    assert [one.tolist() for one in found.peaks(1.5)] == [pytest.approx([1.14, 1.18]), [-4.0, 9.0]]
+
+
 def test_pairs_count_that_the_hardest_load_presses() -> None:
     """Each against the first one on its own side: a second pushing pair that is too far behind is left out."""
     play, behind = 6e-4, 1e-3

@@ -14,6 +14,7 @@ from engaged import LAWS, MODULE, RINGS, made
 from loaded import FRICTION, LINEAR, SMOOTH
 from ncgear.contact.designed.as_designed import contacts_within
 from ncgear.contact.placement import BACK, BOTH_SIDES, PUSHING, placed, placed_at
+from ncgear.dynamics.flank_changes import BorneTorque
 from ncgear.dynamics.gaps import gaps_of
 from ncgear.dynamics.meshing import Meshing
 from ncgear.dynamics.motion_in_time import law_table
@@ -320,6 +321,26 @@ def test_shares_are_those_of_the_search_that_knows_of_friction_and_other_exponen
     expected, shares = loaded_contact(found, phi1, torque, 0.0), shared(found, phi1, torque)
     np.testing.assert_allclose(shares.error_rad, expected.error_rad, atol=1e-14)
     np.testing.assert_allclose(shares.force_n, expected.forces.normal_n, atol=1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.judges("strength")
+def test_a_knock_shorter_than_a_step_loads_the_teeth_in_full() -> None:
+    """Two knocks of a fiftieth of a step; without being told of them the loading has one of neither."""
+    pitch, pair = made("sine", 31)
+    middle = placed(pitch, 80).phi1_rad[[500, 1500]] + 0.4 * 2.0 * pi / 31 / 80
+    wide = 0.01 * 2.0 * pi / 31 / 80
+    places = (middle[:, None] + wide * np.array([-1.0, 0.0, 1.0])).ravel()
+    torque = np.array([2e4, 9e4, 2e4, 2e4, -7e4, 2e4])
+    borne = BorneTorque(lambda phi1: np.full_like(phi1, 2e4), 2.0 * pi, places, np.tile(torque, (2, 1)), ())
+    found = [
+        loading_of(teeth_of("sine", 31), straight(pair), pitch, AskedTorque.of(pitch, borne.at, given), even_speed)
+        for given in (borne, None)
+    ]
+    asked = [AskedTorque.of(pitch, borne.at, given) for given in (borne, None)]
+    assert [one.sides for one in asked] == [(0, 1), (0,)]
+    for one, (least, most) in zip(found, ((-7e4, 9e4), (2e4, 2e4)), strict=True):
+        assert (one.torque_n_mm.min(), one.torque_n_mm.max()) == pytest.approx((least, most), rel=0.02)
 
 
 @pytest.mark.tiers(slow=["sine-31"], rest="long")

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from engaged import LAWS, MODULE
-from loaded import LINKAGE, MASSES, SPEED, STIFFNESS, even_load, frictionless, mechanism, meshing, slider_load
+from loaded import LINKAGE, MASSES, SPEED, STIFFNESS, begun, even_load, frictionless, mechanism, meshing, slider_load
 from ncgear.dynamics.crank_load import crank_load
 from ncgear.dynamics.history import even_times_s, history, motion_peaks
 from ncgear.dynamics.loaded_machine import RigidMachine
@@ -69,7 +69,7 @@ def test_an_impact_from_rest_has_the_closed_forms_peak(speed: float, inertia: fl
         even_load(inertia, 0.0),
         EvenDrive(speed),
     )
-    out = course(found, started(found, LAWS["uniform"](), Start.REST, speed), 0.002)
+    out = course(found, begun(found, LAWS["uniform"](), Start.REST), 0.002)
     peaks = motion_peaks(out, rigid("uniform", PolynomialResistance((0.0,)), speed))
     impact = found.meshing.impact
     near = found.meshing.gaps.at(np.array(peaks.pushing_n.phi1_rad))

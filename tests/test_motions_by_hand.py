@@ -77,7 +77,6 @@ def test_peaks_are_those_of_sizes_and_of_a_torque_both_ways() -> None:
         "displacement_error": 3.0,
         "velocity_error": 2.0,
         "acceleration": 7.0,
-        "law_acceleration": 6.0,
         "pushing_n": 8.0,
         "back_n": 9.0,
         "most_torque_n_mm": -10.0,

@@ -15,7 +15,7 @@ import pytest
 
 from at_once import at_once
 from commands import Run, on_text
-from drives import drive_of_text
+from drives import drive, drive_of_text
 from ncgear.drivetrain.bearings import (
     Bearing,
     Seats,
@@ -29,6 +29,7 @@ from ncgear.drivetrain.cycle import GearLoads, ShaftLoads, cycle_of, loads_at
 from ncgear.drivetrain.peaks import shaft_peaks
 from ncgear.errors import WrongInput
 from ncgear.figures.advice.drivetrain_advice import around
+from ncgear.figures.advice.verdict import KnownParts, judged
 from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
 from ncgear.project.face_load import seats_of
@@ -279,3 +280,21 @@ def test_shafts_between_that_cannot_be_are_refused_in_their_line(changes: tuple[
         drive_of_text(text)
     assert said in str(refusal.value)
     assert ".yaml:" in str(refusal.value)
+
+
+@pytest.mark.slow
+@pytest.mark.judges("drivetrain")
+def test_the_shipped_machine_of_two_pairs_holds() -> None:
+    """Teeth of both pairs, shafts, keys and bearings.  The carton pusher's motion against ten times its resistance
+    asks for ten times its power; rigid bodies, teeth and bearings bear the same forces."""
+    made, carton = drive("crate-pusher"), drive("pusher")
+    power_w = made.check.peak_power_resistance_w.value
+    assert power_w == pytest.approx(10.0 * carton.check.peak_power_w.value, rel=1e-9)
+    assert not judged(made, KnownParts.TEETH).warnings
+    for pair, mesh in zip(made.by_stage, (*made.rigid.peaks.meshes_before, made.rigid.peaks.mesh), strict=True):
+        assert mesh is not None
+        assert min(one.share for one in rating_of(pair).weakest) > 1.1
+        still = pair.loading_by("estimate").still
+        assert still is not None
+        _, row = np.unique(still.contacts.position, return_inverse=True)
+        assert np.bincount(row, still.contacts.force_n).max() == pytest.approx(mesh.force_n.value, rel=2e-3)

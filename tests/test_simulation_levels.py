@@ -126,16 +126,16 @@ def test_motion_in_time_with_a_motor_from_rest(run: Run) -> None:
 
 @pytest.mark.slow
 def test_an_impact_between_the_rows_is_told(run: Run) -> None:
-    """Driven from rest, the driven gear is struck within the first row; text, figures and rows tell which pair's force
-    is meant, and how long no flank touches."""
+    """A motor starts from rest, and the driven gear is struck between two rows; text, figures and rows tell which force
+    is meant, of a pair or of all, and how long no flank touches."""
     text = ROUND.replace("face_width_mm: 10", "face_width_mm: 10, backlash_mm: 0.15") + (
-        "simulation: {start: rest, turns: 0.004}\n"
+        "simulation: {start: rest, turns: 0.02, motor: {no_load_speed_rpm: 60, stall_torque_n_m: 200}}\n"
     )
     status, out, err = run(text, "dynamic")
     assert (status, err) == (0, "")
     found, rows = simulated("here"), simulated_table("here")
     peak = found["motion_in_time"]["peak_pushing_force_n"]
-    assert rows.size == 9
+    assert rows.size == 41
     assert peak > 2.0 * rows["pushing_force_n"].max()
     assert found["bearings"]["peak_mesh_force_n"] > 1.7 * peak
     assert re.search(rf"peak pushing force, one pair of teeth +{peak:.5g} N at phi1 = ", out)
@@ -195,6 +195,7 @@ WRONG: dict[str, tuple[str, str, str]] = {
     "exponent under 1": ("{exponent: 0.9}", "exponent", "1"),
     "negative damping": ("{damping_n_s_mm: -1}", "damping_n_s_mm", "0 or over"),
     "no depth of damping": ("{full_damping_depth_mm: 0}", "full_damping_depth_mm", "over 0"),
+    "rest without a motor": ("{start: rest}", "start", "rest given without motor, but a drive at constant speed"),
     "exponent of no stiffness": ("{exponent: 1.5}", "exponent", "given without stiffness_n_mm"),
     "damping beyond critical": ("{damping_ratio: 1.5}", "damping_ratio", "1 or under"),
     "less friction at rest": ("{friction: {static: 0.01}}", "friction.static", "0.01 given, but dynamic is 0.05"),

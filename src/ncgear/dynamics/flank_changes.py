@@ -104,6 +104,30 @@ class BorneTorque:
         """
         return self._larger(phi1_rad, self.asked(phi1_rad), NORMAL)
 
+    def hardest(self, urge: float, phi1_rad: Array) -> Array:
+        """The torque of the normal forces where it is hardest about rising driving angles, shape (n,) both.
+
+        ``urge`` is +1 for the torque on pushing flanks, -1 for their backs; it is 0 where these bear none.  An angle's
+        surroundings end half way to its neighbours: a knock may be shorter than the way between angles.
+        """
+        found = np.maximum(np.maximum(urge * self.at(phi1_rad), urge * self.asked(phi1_rad)), 0.0)
+        places, torque = self.peaks(2.0 * float(phi1_rad[-1]) - float(phi1_rad[-2]))
+        np.maximum.at(found, np.searchsorted((phi1_rad[1:] + phi1_rad[:-1]) / 2.0, places), urge * torque)
+        return np.asarray(urge * found)
+
+    def peaks(self, end_rad: float) -> tuple[Array, Array]:
+        """The driving angles from 0 to ``end_rad`` at which a followed torque peaks, rising, and the torques there.
+
+        The torques are as ``at``, of either sign; shape (m,) each.
+        """
+        own = np.unique(np.concatenate([one.phi1_rad for one in (self, *self.others)]) % self.cycle_rad)
+        torque = self.at(own)
+        size = np.abs(torque)
+        top = (size >= np.roll(size, 1)) & (size > np.roll(size, -1))
+        turns = np.arange(ceil(end_rad / self.cycle_rad))[:, None]
+        places = (own[top] + self.cycle_rad * turns).ravel()
+        return places[places <= end_rad], np.tile(torque[top], turns.size)[places <= end_rad]
+
     @property
     def turning_n_mm(self) -> Array:
         """The torque of this run that turns the driven side, shape (m,)."""

@@ -173,7 +173,6 @@ class MotionPeaks:
     displacement_error: Peak
     velocity_error: Peak
     acceleration: Peak
-    law_acceleration: Peak
     pushing_n: Peak
     back_n: Peak
     most_torque_n_mm: Peak
@@ -214,7 +213,6 @@ def _sizes(shown: History) -> dict[str, Array]:
         "displacement_error": np.abs(shown.slide.displacement - shown.law.displacement),
         "velocity_error": np.abs(shown.slide.velocity - shown.law.velocity),
         "acceleration": np.abs(shown.slide.acceleration),
-        "law_acceleration": np.abs(shown.law.acceleration),
         "pushing_n": shown.pushing_n,
         "back_n": shown.back_n,
         "most_torque_n_mm": shown.torque_n_mm,

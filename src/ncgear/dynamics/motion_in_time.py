@@ -63,11 +63,6 @@ class DriveLine(Protocol):
         """Inertia of the driving shaft; 0 for a constant speed."""
         ...
 
-    @property
-    def starting_rad_s(self) -> float:
-        """Speed of the drive at a start from rest."""
-        ...
-
     def answer(self, speed_rad_s: Number, moment_n_mm: Number) -> tuple[Number, Number]:
         """Acceleration of the driving shaft in rad/s^2, and torque of the drive in N mm."""
         ...
@@ -79,11 +74,6 @@ class EvenDrive:
 
     speed_rad_s: float
     inertia_n_mm_s2: float = 0.0
-
-    @property
-    def starting_rad_s(self) -> float:
-        """Its constant speed, from the first moment on."""
-        return self.speed_rad_s
 
     def answer(self, speed_rad_s: Number, moment_n_mm: Number) -> tuple[Number, Number]:
         """No acceleration; the torque against the teeth's moment."""
@@ -100,11 +90,6 @@ class Motor:
     speed_rad_s: float
     stall_torque_n_mm: float
     inertia_n_mm_s2: float
-
-    @property
-    def starting_rad_s(self) -> float:
-        """0: a motor starts from rest."""
-        return 0.0
 
     def answer(self, speed_rad_s: Number, moment_n_mm: Number) -> tuple[Number, Number]:
         """Acceleration by the motor's torque and the teeth's moment together; the motor's torque."""
@@ -163,13 +148,12 @@ def started(machine: ToothedMachine, transmission: Transmission, start: Start, s
     """The state at phi1 = 0, shape (6,).
 
     On the law both shafts have its speeds at the driving speed (not a motor's speed without load), and the load at that
-    speed presses the teeth.  At rest the driven gear stands on pushing flanks; the driving gear stands too if a motor
-    starts it, and a drive of constant speed has that speed from the start.
+    speed presses the teeth.  At rest both gears stand, the driven one on pushing flanks, until a motor starts them.
     """
     here = np.zeros(1)
     if start is Start.REST:
         pushing = float(machine.meshing.gaps.play_rad(here)[0][0])
-        return np.array([0.0, machine.drive.starting_rad_s, pushing, 0.0, 0.0, 0.0])
+        return np.array([0.0, 0.0, pushing, 0.0, 0.0, 0.0])
     torque = law_torque_n_mm(machine.load, transmission, here, speed_rad_s)
     ahead = loaded_contact(machine.meshing, here, torque, speed_rad_s).error_rad[0]
     ratio = float(transmission.driven_angle(here, 1).derivative(1)[0])

@@ -264,7 +264,7 @@ def dynamic_figures(drive: Drive, peaks: MotionPeaks, partings_s: tuple[Array, A
             ),
             **_peak_at("largest_velocity_error", output.speed.ending, peaks.velocity_error),
             **_peak_at("peak_acceleration", output.acceleration.ending, peaks.acceleration),
-            **_peak_at("peak_acceleration_of_law", output.acceleration.ending, peaks.law_acceleration),
+            **extreme("peak_acceleration_of_law", output.acceleration.ending, drive.check.peak_acceleration_cycle),
         },
         "bearings": {
             key: value

@@ -360,7 +360,7 @@ class Drive(Geared):
             coming = AskedTorque.of(pitch, load.returning_n_mm)
             found = out_and_back(found, loading_of(meshing, sections, pitch, coming, speed))
         if borne.phi1_rad.size:
-            knocking = AskedTorque.of(pitch, borne.at)
+            knocking = AskedTorque.of(pitch, borne.at, borne)
             found = replace(loading_of(meshing, sections, pitch, knocking, speed, borne), still=found)
         if (jam := self.conditions.overload) is None:
             return found

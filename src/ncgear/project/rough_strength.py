@@ -31,6 +31,7 @@ from ncgear.strength.without_teeth import (
     MOST_LEAP,
     MOST_WAY,
     PER_TOOTH,
+    PUSHING_AND_BACK,
     RolledLoad,
     RoughSafety,
     SharedLoad,
@@ -119,8 +120,9 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
         from ncgear.project.rough_meshing import rough_meshing
 
         borne = borne_by(design.simulation, asked, rough_meshing(drive, asked, sides))
-        load = rolled_load(drive, borne.at)
-        sides = shared_loads(load, plan, running, drive.materials)
+        each = [rolled_load(drive, partial(borne.hardest, urge)) for urge in PUSHING_AND_BACK]
+        sides = [side for one in each for side in shared_loads(one, plan, running, drive.materials)]
+        load = replace(load, force_n=np.maximum(*(one.force_n for one in each)))
     in_series = asked.load == "masses" and not asked.knocks_are_judged and len(sides) > 1 and design.stages == 2
     if asked.loads_return:
         sides = [*sides, *shared_loads(rolled_load(drive, asked.returning_n_mm), plan, running, drive.materials)]
@@ -230,10 +232,14 @@ def _shaken(drive: Drive, load: RolledLoad, mesh: MeshStiffness | None, borne: B
     shaken, conditions = drive.vibration.factors, drive.conditions
     if borne is None or not borne.phi1_rad.size or conditions.dynamic_factor is not None:
         return shaken(load.phi1_rad, load.force_n, mesh, conditions)
-    asked, most = (np.abs(torque(load.phi1_rad)) for torque in (borne.asked, borne.at))
-    share = asked / np.maximum(most, np.finfo(float).tiny)
+    most_n_mm = load.force_n / asked_of(drive).mesh_force(load.phi1_rad, load.urge).size_n.value
+    share = np.clip(load.urge * borne.asked(load.phi1_rad) / most_n_mm, LEAST_SHARE, 1.0)
     still = share * shaken(load.phi1_rad, share * load.force_n, mesh, conditions)
     return np.maximum(still, shaken(load.phi1_rad, load.force_n, mesh, conditions, followed=True))
+
+
+LEAST_SHARE = 1e-9
+"""Least share of the law's torque in a followed torque: K_V divides by loads."""
 
 
 def _even(sides: list[SharedLoad], factor: float) -> list[Array]:

@@ -100,25 +100,37 @@ class Loading:
 class AskedTorque:
     """The torque demanded of the driven gear, at the positions of a cycle at which pairs' shares are computed.
 
-    ``torque_n_mm`` (shape (n,)) is of either sign; ``at`` gives it at driving angles, shape (any,).
+    ``torque_n_mm`` (shape (n,)) is of either sign; ``at`` gives it at driving angles, shape (any,).  ``peaks``, of
+    shape (2, m), are rolled lengths between positions at which it is larger than beside them, and the torques there.
     """
 
     placement: Placement
     torque_n_mm: Array
     at: Callable[[Array], Array]
+    peaks: Array
 
     @classmethod
-    def of(cls, pitch: PitchPair, at: Callable[[Array], Array]) -> AskedTorque:
-        """The torque of a function ``at`` of driving angles."""
+    def of(cls, pitch: PitchPair, at: Callable[[Array], Array], borne: BorneTorque | None = None) -> AskedTorque:
+        """The torque of a function ``at`` of driving angles; a ``borne`` torque peaks within a step of positions."""
         placement = placed(pitch, SOLVED_PER_TOOTH)
-        torque = at(placement.phi1_rad)
+        phi1, torque = placement.phi1_rad, at(placement.phi1_rad)
         nothing = ROUNDED * np.abs(torque).max()
-        return cls(placement, np.where(np.abs(torque) <= nothing, 0.0, torque), at)
+        peaks = np.empty((2, 0))
+        if borne is not None:
+            places, knocks = borne.peaks(placement.cycle_rad)
+            row, size = np.searchsorted(phi1, places, side="right") - 1, np.abs(knocks)
+            steps, number = np.unique(2 * row + (knocks > 0.0), return_inverse=True)
+            hardest = largest_rows(size, number, steps.size)
+            beside = np.maximum(*(np.abs(torque)[(row[hardest] + one) % phi1.size] for one in (0, 1)))
+            hardest = hardest[size[hardest] > beside + JUMP * size.max(initial=0.0)]
+            ends = np.append(phi1, placement.cycle_rad), placement.step_mm * np.arange(phi1.size + 1)
+            peaks = np.stack([np.interp(places[hardest], *ends), knocks[hardest]])
+        return cls(placement, np.where(np.abs(torque) <= nothing, 0.0, torque), at, peaks)
 
     @property
     def sides(self) -> tuple[int, ...]:
         """The sides of the teeth that it presses: pushing flanks alone where it is never negative."""
-        return (PUSHING,) if self.torque_n_mm.min() >= 0.0 else BOTH_SIDES
+        return (PUSHING,) if min(self.torque_n_mm.min(), self.peaks[1].min(initial=0.0)) >= 0.0 else BOTH_SIDES
 
     def between(self, phi1_rad: Array) -> Array:
         """The torque between positions, shape (n,); 0 where it would press a side that no position presses."""
@@ -154,7 +166,8 @@ def loading_of(
     # Where forces never change, as without a torque, one step is still searched.
     jumps[0] |= not jumps.any()
     inside = solved.rolled_mm[jumps][:, None] + solved.step_mm * np.arange(1, BETWEEN) / BETWEEN
-    every, torque, found = _added(meshing, pitch, asked, (solved, asked.torque_n_mm, first), inside.ravel())
+    more_mm = np.concatenate([inside.ravel(), asked.peaks[0]])
+    every, torque, found = _added(meshing, pitch, asked, (solved, asked.torque_n_mm, first), more_mm)
     extreme_mm = _extreme_places_mm(meshing, pitch, asked, every, found)
     every, torque, found = _added(meshing, pitch, asked, (every, torque, found), extreme_mm)
     idle_n = IDLE * found.force_n.max()

@@ -232,8 +232,8 @@ class Simulation(Model):
     friction: Friction = optional("friction between the teeth", Friction)
     motor: Motor | None = optional("motor of the level dynamic; left out: operation.speed_rpm, at any torque")
     start: Literal["on_law", "rest"] = optional(
-        "on_law: both gears run as the law says, the driving one at operation.speed_rpm; rest: the driven gear stands "
-        "still, and so does a motor",
+        "on_law: both gears run as the law says, the driving one at operation.speed_rpm; rest: both stand still, and "
+        "motor starts them",
         "on_law",
     )
     turns: float = optional("turns of the driving gear in level dynamic", 1.0, gt=0.0, le=MOST_TURNS)
@@ -255,4 +255,10 @@ class Simulation(Model):
                 "exponent",
                 f"{self.exponent:g} given without stiffness_n_mm, but the teeth's own stiffness is linear; leave it "
                 "out, or give stiffness_n_mm as well",
+            )
+        if self.start == "rest" and self.motor is None:
+            yield fault(
+                "start",
+                "rest given without motor, but a drive at constant speed never stands still: it would strike the "
+                "resting driven gear at full speed; give motor as well, or on_law",
             )

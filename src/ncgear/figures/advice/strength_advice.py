@@ -98,12 +98,9 @@ def pressed_in_time(drive: Drive, force_n: float) -> Advice | None:
         f"in this motion a pair of teeth bears {to_digits(times, 3)} times what is rated: safety "
         f"{_under(safety, weakest.wanted)} against {weakest.damage.words}, {weakest.wanted:g} wanted",
         f"{to_digits(force_n, 5)} N beside {to_digits(rated_n, 5)} N of ncgear strength, which counts knocks at even "
-        "speed, no start from rest and no course of a motor; as if the teeth bore it as often as the rated load"
-        + (AT_ONCE if drive.design.simulation.start == "rest" and drive.design.simulation.motor is None else ""),
+        "speed, no start from rest and no course of a motor; as if the teeth bore it as often as the rated load",
     )
 
-
-AT_ONCE = "; without simulation.motor the driving gear meets a resting one at full speed"
 
 AS_MUCH = 1.03
 """Ratio of forces up to which the rating counts as much as the motion in time: the least share that it told of forty
@@ -192,8 +189,8 @@ TOGETHER = Remedy("make teeth larger and gears wider together, or reduce their l
 """What is said where neither size alone would do, and no search tells both."""
 
 SAFE_SIDE = 1.1
-"""The most by which rough safeties are over those of the teeth, but where curvatures leap: a size that is told roughly
-is larger by what this takes."""
+"""The most by which rough safeties are over those of the teeth, but where curvatures leap or teeth knock (1.14): a size
+that is told roughly is larger by what this takes."""
 
 
 def _rough_remedies(drive: Drive, found: RoughStrength) -> tuple[Remedy, ...]:
