@@ -15,7 +15,7 @@ from drives import drive_of_text
 from ncgear.cli.app import COMMANDS
 from ncgear.cli.arguments import print_figures
 from ncgear.errors import Unanswered
-from ncgear.figures.csv_text import outline_csv
+from ncgear.figures.tables import outline_csv
 from ncgear.figures.terminal import kept_lines
 
 WITHOUT = {"studio", "animate", "new", "examples", "explain", "schema", "freecad"}

@@ -30,11 +30,10 @@ from ncgear.drawings.charts.slider_charts import LOAD, MOTION, motion_chart, ove
 from ncgear.drawings.plots import assembled_pair as gears
 from ncgear.drawings.plots.canvas import DRIVEN, DRIVING, HIGHLIGHT
 from ncgear.errors import NoSuchMechanism, Unanswered, WrongInput
-from ncgear.figures.csv_text import law_csv, outline_csv, rows_text
 from ncgear.figures.numbers import json_text, shown
 from ncgear.figures.summary.build_summary import pitch_summary
 from ncgear.figures.summary.check_summary import MIXED_SPEEDS, SAME_SPEED
-from ncgear.figures.tables import WIDTH, cell_text
+from ncgear.figures.tables import WIDTH, cell_text, law_csv, outline_csv, rows_text
 from ncgear.figures.terminal import figures_text, timing_text
 from ncgear.files.build import build
 from ncgear.files.manifest import MANIFEST, publish_run

@@ -9,7 +9,7 @@ from typing import Any
 
 from ncgear.errors import DesignError, WrongInput
 from ncgear.figures.answers.answer import difference
-from ncgear.figures.quantities import figure, name_of
+from ncgear.figures.numbers import figure, name_of
 from ncgear.figures.summary.build_summary import pitch_summary
 from ncgear.figures.summary.check_summary import check_summary
 from ncgear.figures.tables import aligned

@@ -20,8 +20,8 @@ from ncgear.drawings.charts.drawer import CONTACT_COLUMN, CONTACT_LOOK, column_p
 from ncgear.drawings.palette import EXCESS
 from ncgear.drawings.plots import canvas
 from ncgear.figures.compared import compared_csv, compared_figures, points_csv
-from ncgear.figures.csv_text import outline_csv
 from ncgear.figures.numbers import MICRORAD, json_text, micrometres
+from ncgear.figures.tables import outline_csv
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import as_points
 from ncgear.project.compared import ComparedGear, ComparedPair

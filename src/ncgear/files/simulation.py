@@ -21,7 +21,6 @@ from ncgear.figures.advice.drivetrain_advice import SMOOTH_GUIDE
 from ncgear.figures.advice.strength_advice import pressed_in_time
 from ncgear.figures.advice.teeth_advice import parted_in_time
 from ncgear.figures.advice.verdict import KnownParts, Verdict, judged
-from ncgear.figures.csv_text import csv_text
 from ncgear.figures.drivetrain import drivetrain_figures
 from ncgear.figures.numbers import MICRORAD, json_text
 from ncgear.figures.simulated import (
@@ -33,6 +32,7 @@ from ncgear.figures.simulated import (
     rigid_table,
 )
 from ncgear.figures.summary.check_summary import verdict_summary
+from ncgear.figures.tables import csv_text
 from ncgear.frozen import dataclass
 from ncgear.kinematics.check import both_sides_rad
 from ncgear.mechanisms.mechanism import Output

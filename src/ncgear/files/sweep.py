@@ -16,8 +16,7 @@ from ncgear.design.reading.text import whole
 from ncgear.design.rewritten import design_copy
 from ncgear.drawings.plots import canvas
 from ncgear.drawings.plots.canvas import Style
-from ncgear.figures.numbers import json_text, to_digits
-from ncgear.figures.quantities import name_of
+from ncgear.figures.numbers import json_text, name_of, to_digits
 from ncgear.figures.sweep import effects_csv, front_csv, values_of
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray

@@ -79,8 +79,7 @@ def motion_answers(drive: Asked) -> Iterator[Answer]:
 
 def train_answers(loaded: LoadedTrain) -> Iterator[Answer]:
     """``scene``, ``motion``, ``figures`` and ``verdict`` of a train, which are what ``ncgear check`` tells of it."""
-    from ncgear.drawings.page.train_page import train_advices, train_facts
-    from ncgear.drawings.page.train_scene import train_scene
+    from ncgear.drawings.page.train_page import train_advices, train_facts, train_scene
     from ncgear.figures.trains import checked_conditions, train_answer
 
     file, train = loaded.file, loaded.file.train.train()

@@ -10,12 +10,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union
 from pydantic import Field, PrivateAttr, TypeAdapter, create_model
 
 from ncgear.design.keys.base import FILE_FORMAT, Faults, FileFormat, Model, fault, given, optional, required
-from ncgear.design.keys.choices import Choices
 from ncgear.design.keys.drivetrain import Drivetrain, NamedShaft, bodies_on, named_shafts, shaft_faults
 from ncgear.design.keys.gears import SIZES, Gears
 from ncgear.design.keys.machine import Comparison, Fit, Linkage, NoLinkage, Operation, Output, Resistance
 from ncgear.design.keys.masses import Masses, Simulation, shafts_counted
-from ncgear.design.keys.optimize import FlywheelRange, FollowedOutline, Lengths, Optimize, Range
+from ncgear.design.keys.optimize import Choices, FlywheelRange, FollowedOutline, Lengths, Optimize, Range
 from ncgear.design.keys.strength import StrengthKeys
 from ncgear.design.keys.tolerances import AssemblyTolerances
 from ncgear.design.laws.base import LawKeys

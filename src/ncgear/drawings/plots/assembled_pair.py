@@ -9,15 +9,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ncgear.drawings.assembled import Assembled, AssembledPosition
+from ncgear.drawings.charts import drawer
 from ncgear.drawings.charts.chart import Chart
-from ncgear.drawings.charts.drawer import (
-    CONTACT_COLUMN,
-    CONTACT_LOOK,
-    MOTION_COLUMN,
-    MOTION_LOOK,
-    beside_png,
-    column_png,
-)
 from ncgear.drawings.plots import canvas
 from ncgear.figures.numbers import drawn, rounded
 from ncgear.numerics.arrays import Array, Mask
@@ -144,7 +137,7 @@ def _name_below(axes: Axes, text: str, x: float, color: str) -> None:
 
 def motion_drawn(charts: Sequence[Chart], title: str) -> dict[str, bytes]:
     """The picture of the machine's motion, by its file name; ``drawings.pictures`` makes the charts."""
-    return {"motion.png": column_png(charts, title, MOTION_LOOK, MOTION_COLUMN)}
+    return {"motion.png": drawer.column_png(charts, title, drawer.MOTION_LOOK, drawer.MOTION_COLUMN)}
 
 
 def gears_drawn(
@@ -166,6 +159,8 @@ def load_drawn(
 ) -> dict[str, bytes]:
     """The pictures of contact and load."""
     return {
-        "contact.png": column_png(contact, f"{pair}: contact of the teeth", CONTACT_LOOK, CONTACT_COLUMN),
-        "power.png": beside_png(load, load_title),
+        "contact.png": drawer.column_png(
+            contact, f"{pair}: contact of the teeth", drawer.CONTACT_LOOK, drawer.CONTACT_COLUMN
+        ),
+        "power.png": drawer.beside_png(load, load_title),
     }

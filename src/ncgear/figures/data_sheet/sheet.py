@@ -12,8 +12,7 @@ from ncgear.design.keys.gears import PROFILES
 from ncgear.errors import DesignError
 from ncgear.figures.data_sheet.entries import SheetEntry, bodies, of_both, passed_rows, tolerances
 from ncgear.figures.data_sheet.measured_tables import TITLE, band_table, cut_table, pin_tables, pitch_table, span_table
-from ncgear.figures.numbers import micrometres, shown, to_digits
-from ncgear.figures.quantities import OF_GEAR, told
+from ncgear.figures.numbers import OF_GEAR, micrometres, shown, to_digits, told
 from ncgear.figures.tables import Cells, Table, Value, cell_text, columns_of, markdown, markdown_text
 from ncgear.frozen import dataclass
 from ncgear.pitch.curve import PitchCurve
