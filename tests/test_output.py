@@ -24,9 +24,8 @@ from commands import Run
 from disk import leftovers
 from drives import drive, drive_of_text
 from killed_runs import seen
-from ncgear.drawings.charts.chart import EMPTY, ChartLine, Role
+from ncgear.drawings.charts.chart import EMPTY, LOAD, MOTION, ChartLine, Role, motion_chart, over_displacement
 from ncgear.drawings.charts.drawer import MOTION_COLUMN, MOTION_LOOK, beside_png, column_png, mark_extreme
-from ncgear.drawings.charts.slider_charts import LOAD, MOTION, motion_chart, over_displacement
 from ncgear.drawings.plots import assembled_pair as gears
 from ncgear.drawings.plots.canvas import DRIVEN, DRIVING, HIGHLIGHT
 from ncgear.errors import NoSuchMechanism, Unanswered, WrongInput

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from matplotlib.axes import Axes
 
+from ncgear.drawings.charts.chart import Quantity, motion_chart
 from ncgear.drawings.charts.drawer import COLUMN_IN, CONTACT_COLUMN, DASHED, align, angle_scale
-from ncgear.drawings.charts.slider_charts import Quantity, motion_chart
 from ncgear.drawings.plots import canvas
 from ncgear.drawings.plots.canvas import Style
 from ncgear.figures.numbers import json_text

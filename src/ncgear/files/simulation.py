@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 
 from ncgear.design.words import ORDINALS
-from ncgear.drawings.charts.chart import EMPTY, NO_STRETCHES, Chart, ChartLine, Role, joints_up_to
+from ncgear.drawings.charts.chart import EMPTY, MOTION, NO_STRETCHES, Chart, ChartLine, Role, joints_up_to
 from ncgear.drawings.charts.drawer import LOAD_LOOK, SIMULATION_COLUMN, TIME_LOOK, Look, column_png
-from ncgear.drawings.charts.slider_charts import MOTION
 from ncgear.drawings.pictures import titled
 from ncgear.dynamics.history import PER_TURN, History, even_times_s, history, partings_s
 from ncgear.dynamics.level import Level

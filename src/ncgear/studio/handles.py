@@ -18,7 +18,7 @@ import numpy as np
 from ncgear.design.keys.base import FULL_TURN, given, spellings
 from ncgear.design.laws.base import DraggedPoint, LawNumber
 from ncgear.design.wishes.gentle_stop import GentleStop
-from ncgear.drawings.charts.slider_charts import Quantity
+from ncgear.drawings.charts.chart import Quantity
 from ncgear.errors import DesignError
 from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import sample_angles

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ncgear.design.reading.design_file import LoadedTrain
-from ncgear.drawings.charts.slider_charts import Quantity
+from ncgear.drawings.charts.chart import Quantity
 from ncgear.drawings.page.chart_figure import PageChart
 from ncgear.drawings.page.data import MORE_DECIMALS, paces, shaft_tables
 from ncgear.drawings.page.motion_charts import cycle_angles_rad, motion_charts, quantities_of

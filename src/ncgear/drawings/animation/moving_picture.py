@@ -24,9 +24,8 @@ from numpy.typing import NDArray
 
 from ncgear.drawings.animation import artists as looks
 from ncgear.drawings.animation.artists import MovingArtists, standing_artist
-from ncgear.drawings.charts.chart import Chart, Role, decimals_of
+from ncgear.drawings.charts.chart import Chart, Quantity, Role, decimals_of, motion_chart
 from ncgear.drawings.charts.drawer import Look, draw
-from ncgear.drawings.charts.slider_charts import Quantity, motion_chart
 from ncgear.drawings.plots.canvas import DRIVEN, DRIVING, EDGE_IN, INK, NORMAL, SMALL, Style, dress, figure
 from ncgear.drawings.scene.scene import Scene, ScenePoses
 from ncgear.drawings.scene.standing import Box, hatches_mm, support_hatches_mm, supports_mm, views, walls_mm
