@@ -22,7 +22,17 @@ from time import sleep
 
 from ncgear.design.reading.text import read_text
 from ncgear.errors import WrongInput
-from ncgear.files import one_file
+from ncgear.files.one_file import (
+    REMEDY,
+    UNFINISHED,
+    hidden,
+    is_there,
+    kept_names,
+    put_at_free_place,
+    swap,
+    sync_folder,
+    written_beside,
+)
 from ncgear.files.publish import opened, real_place
 from ncgear.frozen import dataclass
 
@@ -73,7 +83,7 @@ class DesignOnDisk:
         with _clearing() as kept, _in_its_own_folder(), opened(self.path.parent):
             _clear_up(self.path, kept)
             # For a file that a killed run has just made, this is a second name
-            one_file.hidden(self.path, one_file.UNFINISHED).unlink(missing_ok=True)
+            hidden(self.path, UNFINISHED).unlink(missing_ok=True)
             if _content(self.path) != content:
                 self._require_same()
                 if self.content is None:
@@ -110,7 +120,7 @@ class DesignOnDisk:
 
     def _create(self, content: bytes) -> None:
         try:
-            one_file.put_at_free_place(self.path, content)
+            put_at_free_place(self.path, content)
         except FileExistsError as error:
             raise self._changed(_content(self.path)) from error
 
@@ -118,31 +128,31 @@ class DesignOnDisk:
         """Exchange the file for a new one, and check that the old one is the former version; ``kept`` may grow."""
         try:
             mode = S_IMODE(self.path.stat().st_mode)
-            written = one_file.written_beside(self.path, content, mode)
+            written = written_beside(self.path, content, mode)
             _belong_as(written, self.path)
         except FileNotFoundError as error:
-            one_file.hidden(self.path, one_file.UNFINISHED).unlink(missing_ok=True)
+            hidden(self.path, UNFINISHED).unlink(missing_ok=True)
             raise self._changed(_content(self.path)) from error
         written.chmod(mode)
-        new = one_file.hidden(self.path, f".{_digest(former)}-{_digest(content)}{SAVING}")
+        new = hidden(self.path, f".{_digest(former)}-{_digest(content)}{SAVING}")
         written.replace(new)
         try:
             self._require_same()
-            one_file.swap(new, self.path)
+            swap(new, self.path)
         except (NotSaved, FileNotFoundError) as error:
             new.unlink()
             raise self._changed(_content(self.path)) from error
         except OSError as error:
-            for left in (new, new.with_name(f"{new.name}{one_file.UNFINISHED}")):
+            for left in (new, new.with_name(f"{new.name}{UNFINISHED}")):
                 left.unlink(missing_ok=True)
             raise self._unmoved(error) from error
         sleep(LATE_S)
         if new.read_bytes() != former:
-            one_file.swap(new, self.path)
+            swap(new, self.path)
             _clear_up(self.path, kept)
             raise self._changed(_content(self.path))
         new.unlink()
-        one_file.sync_folder(self.path.parent)
+        sync_folder(self.path.parent)
         if (found := _content(self.path)) != content:
             raise self._changed(found)
 
@@ -178,7 +188,7 @@ def _in_its_own_folder() -> Iterator[None]:
     try:
         yield
     except WrongInput as error:
-        error.problem = error.problem.replace(one_file.REMEDY, "make room there or allow it, and save again")
+        error.problem = error.problem.replace(REMEDY, "make room there or allow it, and save again")
         raise
 
 
@@ -193,7 +203,7 @@ def _digest(content: bytes) -> str:
 def _left(path: Path) -> list[Path]:
     """Files that killed saves have left beside a file."""
     digest = f"[0-9a-f]{{{DIGITS}}}"
-    form = re.compile(f"{re.escape(one_file.hidden(path, '.').name)}{digest}-{digest}{SAVING}({one_file.UNFINISHED})?")
+    form = re.compile(f"{re.escape(hidden(path, '.').name)}{digest}-{digest}{SAVING}({UNFINISHED})?")
     with suppress(OSError):
         return [path.with_name(name) for name in sorted(os.listdir(path.parent)) if form.fullmatch(name)]
     return []
@@ -220,10 +230,10 @@ def _clear_up(path: Path, kept: list[Path]) -> None:
     """Remove the files of killed saves; a version that they did not know is kept, and its path is added to ``kept``."""
     for left in _left(path):
         content = left.read_bytes()
-        if _digest(content) in left.name or (one_file.is_there(path) and path.read_bytes() == content):
+        if _digest(content) in left.name or (is_there(path) and path.read_bytes() == content):
             left.unlink()
         else:
-            place = next(place for place in one_file.kept_names(path) if not one_file.is_there(place))
+            place = next(place for place in kept_names(path) if not is_there(place))
             left.replace(place)
             kept.append(place)
 
@@ -239,7 +249,7 @@ def require_same_place(file: DesignOnDisk, opened_as: Path) -> None:
 def design_on_disk(path: Path) -> DesignOnDisk:
     """The design file at a path, with any text; raises WrongInput where it cannot be read as text."""
     real = real_place(path)
-    if one_file.is_there(real):
+    if is_there(real):
         _require_file(real)
     with _clearing() as kept:
         if _left(real):

@@ -27,8 +27,16 @@ from ncgear.project.opened import drive_like
 from ncgear.project.sizing import FEWEST_TEETH, Accepted, GearRoom, Sized, is_finer, smallest_accepted, stated_inertias
 from ncgear.project.strengthening import SERIES_I_MM, sized
 from ncgear.project.tolerance_limits import TURNING, jamming_of
-from ncgear.whole_machines import machine
 from ncgear.whole_machines.laws import FoundLaw, law_keys, settled_law
+from ncgear.whole_machines.machine import (
+    WEAK,
+    MachineFigures,
+    Unfit,
+    WholeMachine,
+    ask_for_more_teeth,
+    broken,
+    judged_machine,
+)
 
 MOST_COMPUTED = 8
 """Most gears that are computed for one law and material, at a second each."""
@@ -60,18 +68,16 @@ class GearJob(NamedTuple):
     law: FoundLaw
     material: GearMaterial | None
     processes: tuple[Process, ...]
-    near: machine.MachineFigures | None = None
+    near: MachineFigures | None = None
 
 
-def machine_of(text: str, job: GearJob) -> machine.WholeMachine | machine.Unfit:
+def machine_of(text: str, job: GearJob) -> WholeMachine | Unfit:
     """The smallest machine of a law, by the first way of making teeth that works, or why none; ``text`` is the file."""
     loaded = parsed(text, Path("design.yaml"))
-    made: machine.WholeMachine | machine.Unfit = machine.Unfit(
-        ("no way of making teeth that may be chosen suits this material",)
-    )
+    made: WholeMachine | Unfit = Unfit(("no way of making teeth that may be chosen suits this material",))
     for process in job.processes:
         made = _Making(loaded, job, process).made()
-        if isinstance(made, machine.WholeMachine):
+        if isinstance(made, WholeMachine):
             break
     return made
 
@@ -145,7 +151,7 @@ class _Making:
         self.coarse: list[Sized] = []
         self.why: tuple[str, ...] = ("no gears of these modules and face widths hold",)
 
-    def made(self) -> machine.WholeMachine | machine.Unfit:
+    def made(self) -> WholeMachine | Unfit:
         """The machine, or why there is none."""
         try:
             drive = changed_drive(started(self.loaded.design, self.job.law, self.job.material), self.kept)
@@ -157,8 +163,8 @@ class _Making:
             for _ in range(MENDED):
                 try:
                     found = smallest_accepted(drive, room, self.is_clean, MOST_COMPUTED, lambda done, most: None)
-                    made = machine.Unfit(self.why) if found is None else self.finished(found)
-                    if found is None or isinstance(made, machine.WholeMachine) or not made.finer:
+                    made = Unfit(self.why) if found is None else self.finished(found)
+                    if found is None or isinstance(made, WholeMachine) or not made.finer:
                         return made
                     self.coarse.append(found)
                     self.why = made.why
@@ -167,8 +173,8 @@ class _Making:
                     self.kept = {**self.kept, **weakened.changes}
                     drive = weakened.drive
         except (DesignError, ArithmeticError) as error:
-            return machine.Unfit((getattr(error, "problem", str(error)),))
-        return machine.Unfit(self.why)
+            return Unfit((getattr(error, "problem", str(error)),))
+        return Unfit(self.why)
 
     def is_clean(self, sized: Sized) -> Accepted:
         """Whether the verdict on gears is clean, after its own remedies; the remedies are kept.
@@ -181,7 +187,7 @@ class _Making:
         drive, taken = sized.drive, Changes()
         try:
             for _ in range(MENDED):
-                rows = machine.broken(judged(drive, KnownParts.TEETH, seconds=0.0), self.process)
+                rows = broken(judged(drive, KnownParts.TEETH, seconds=0.0), self.process)
                 changes = {} if rows else more_backlash(drive)
                 if not rows and not changes:
                     self.mended = taken
@@ -190,36 +196,36 @@ class _Making:
                     self.why = tuple(
                         f"{row.kind}: {advice.what}" for row in rows for advice in row.advices if advice.matters
                     )
-                    if taken and rows[0].kind in machine.WEAK:
+                    if taken and rows[0].kind in WEAK:
                         raise _Weakened(drive, taken)
                     remedies = [remedy for advice in rows[0].advices for remedy in advice.remedies]
                     changes = next((made for one in remedies if (made := _taken(one.changes))), {})
                 if not changes:
-                    return Accepted.WITH_MORE_TEETH if machine.ask_for_more_teeth(rows) else Accepted.NO
+                    return Accepted.WITH_MORE_TEETH if ask_for_more_teeth(rows) else Accepted.NO
                 drive = _changed(drive, changes)
                 taken |= changes
         except DesignError as error:
             self.why = (error.problem,)
         return Accepted.NO
 
-    def finished(self, sized: Sized) -> machine.WholeMachine | machine.Unfit:
+    def finished(self, sized: Sized) -> WholeMachine | Unfit:
         """The machine with a law found with its own gears, widened until its teeth hold with this law."""
         law, values = self.job.law, self.values(sized)
         power_w = law.found.peak_power_w
         motors = (one.power_w for one in self.choices.motors or () if one.power_w >= power_w)
         cap_w = min((ROOM_OF_CAP * power_w, *motors))
-        made: machine.WholeMachine | machine.Unfit = machine.Unfit(self.why)
+        made: WholeMachine | Unfit = Unfit(self.why)
         for _ in range(ROUNDS):
             design = parsed(design_copy(self.loaded, values), Path("machine.yaml")).design
             if design.masses is not None:
                 law = settled_law(design, sized.teeth, law.motion, cap_w) or law
                 values["motion"] = found_values(law.ratio, None)
-            made = machine.judged_machine(design_copy(self.loaded, values), self.process, self.choices)
-            if isinstance(made, machine.Unfit) and made.finer:
+            made = judged_machine(design_copy(self.loaded, values), self.process, self.choices)
+            if isinstance(made, Unfit) and made.finer:
                 # Tips that the law of these gears' inertia shortens may do with the law as it was
                 values["motion"] = found_values(self.job.law.ratio, None)
-                made = machine.judged_machine(design_copy(self.loaded, values), self.process, self.choices)
-            if isinstance(made, machine.WholeMachine):
+                made = judged_machine(design_copy(self.loaded, values), self.process, self.choices)
+            if isinstance(made, WholeMachine):
                 return made
             if made.wider is not None:
                 width_mm = values["gears.face_width_mm"]
