@@ -290,11 +290,8 @@ class Design(Model, Shown):
             "optimize": self.optimize is not None,
             "choices": self.choices is not None,
         }
-        for key, is_given in asked.items():
-            if is_given:
-                yield fault(
-                    key, "given, but it is not offered for gears that turn to and fro, less than once; leave it out"
-                )
+        said = "given, but it is not offered for gears that turn to and fro, less than once; leave it out"
+        yield from (fault(key, said) for key, is_given in asked.items() if is_given)
 
     def _stages_have_one_lobe(self) -> Faults:
         wished = self.optimize.limits.stages if self.optimize else 1
@@ -330,12 +327,9 @@ class Design(Model, Shown):
             "gears.driven": any(driven[name] != one for name, one in driving.items()),
             "gears.material": material is not None and material.each[0] != material.each[1],
         }
-        for key, is_given in asked.items():
-            if is_given:
-                yield fault(
-                    key,
-                    f"not offered for a row of gears with idlers{OFFERED.get(key, '')}; leave it out, or gears.idlers",
-                )
+        for key in (key for key, is_given in asked.items() if is_given):
+            said = f"not offered for a row of gears with idlers{OFFERED.get(key, '')}"
+            yield fault(key, f"{said}; leave it out, or gears.idlers")
 
     def _shared_out(self) -> Faults:
         pairs = self.gears.pairs if self.gears else 1
@@ -348,9 +342,8 @@ class Design(Model, Shown):
             "optimize.limits.stages has the ratio shared by the search": self.optimize is not None
             and self.optimize.limits.stages > 1,
         }
-        for why, holds in reasons.items():
-            if holds:
-                yield fault("gears.pairs", f"{pairs} given, but {why}; leave one of them out")
+        found = (why for why, holds in reasons.items() if holds)
+        yield from (fault("gears.pairs", f"{pairs} given, but {why}; leave one of them out") for why in found)
 
     def _shafts_between_have_inertia(self) -> Faults:
         wished = self.optimize.limits.stages if self.optimize else 1

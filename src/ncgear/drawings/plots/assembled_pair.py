@@ -81,10 +81,7 @@ def draw_whole(axes: Axes, pair: Assembled, position: AssembledPosition) -> None
     _draw_turned(axes, pair, position, 0.5)
     axes.plot([0.0, pair.center_distance_mm], [0.0, 0.0], "+", color=canvas.INK, markersize=8)
     left, right, top = pair.frame
-    axes.set_xlim(left, right)
-    axes.set_ylim(-top, top)
-    axes.set_aspect("equal")
-    axes.set_axis_off()
+    canvas.look_at(axes, (left, -top, right - left, 2.0 * top))
     phi1, phi2 = (drawn(rounded(degrees(angle), 1), "deg") for angle in (position.phi1_rad, position.phi2_rad))
     axes.set_title(f"phi1 = {phi1}\u00b0, phi2 = {phi2}\u00b0", size=canvas.SMALL + 1.0, color=canvas.INK, y=1.0)
 
