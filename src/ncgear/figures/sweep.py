@@ -218,8 +218,7 @@ def _keeps(overview: Overview, name: str) -> Mask:
     """Which of the told designs, each counted once, keep a limit or have no such figure."""
     told = joined([best.at(slice(BEST)) for best in overview.best])
     once = told.at(np.unique(told.numbers, return_index=True)[1])
-    keeps: Mask = LIMITS[name][0].kept(once) | np.isnan(once.column(name))
-    return keeps
+    return LIMITS[name][0].kept(once) | np.isnan(once.column(name))
 
 
 def without_masses(overview: Overview) -> bool:

@@ -114,8 +114,7 @@ def _load_chart(drive: Drive, name: str, unit: str, own: Array, uniform: Array) 
 
 
 def _size(force: Vector) -> Array:
-    size: Array = (force.x.value**2 + force.y.value**2) ** 0.5
-    return size
+    return (force.x.value**2 + force.y.value**2) ** 0.5
 
 
 def teeth_under_load(drive: Drive, rigid_n_m: Array) -> list[Chart]:

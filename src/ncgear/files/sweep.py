@@ -244,8 +244,7 @@ def _chosen(front: Designs, costs: Array) -> IndexArray:
     """Rows of the front, evenly along it in the order of the first objective, with both ends."""
     order = np.lexsort((front.numbers, *costs.T[::-1]))
     places = np.linspace(0, len(order) - 1, min(DESIGNS, len(order))).round().astype(int)
-    rows: IndexArray = order[np.unique(places)]
-    return rows
+    return order[np.unique(places)]
 
 
 def _head(name: str) -> str:

@@ -129,8 +129,7 @@ class Batch:
         if key in self.columns:
             return self.columns[key]
         values = np.array([_value(design, key) for design in self.written], dtype=float)
-        found: Array = values[self.follows]
-        return found
+        return values[self.follows]
 
     def given(self, key: str, unit: float = 1.0) -> Array | None:
         """The numbers at a key in a unit, shape (n,); None where the designs leave it out."""
@@ -142,8 +141,7 @@ class Batch:
         for unit in UNITS:
             if (key := f"motion.{name}_{unit}") in self.columns:
                 return self.columns[key] * factors[unit]
-        found: Array = np.array([getattr(design.motion, name) for design in self.written])[self.follows]
-        return found
+        return np.array([getattr(design.motion, name) for design in self.written])[self.follows]
 
     def series(self, name: str) -> Array:
         """A list of numbers of the motion as rows, shape (n, longest list), padded with zeros."""

@@ -197,8 +197,7 @@ class Designs:
     @property
     def made(self) -> Mask:
         """Which designs are made, as far as they were followed."""
-        made: Mask = self.verdicts == MADE
-        return made
+        return self.verdicts == MADE
 
     def column(self, name: str) -> Array:
         """A figure, or the values of a key."""

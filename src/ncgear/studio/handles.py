@@ -297,5 +297,4 @@ def _with(drive: Drive, number: LawNumber, value: float) -> Transmission:
 
 
 def _ratio(law: Transmission, angle: Array) -> Array:
-    ratio: Array = 1.0 / law.driven_angle(angle, 1).derivative(1)
-    return ratio
+    return 1.0 / law.driven_angle(angle, 1).derivative(1)

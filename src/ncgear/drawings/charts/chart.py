@@ -157,8 +157,7 @@ class Quantity(Enum):
 
     def values(self, motion: OutputMotion | Slide, output: Output) -> Array:
         """The values in the unit of ``unit_of``, shape (n,); a motion in time has no load, power and ratio."""
-        values: Array = getattr(motion, self.value) * self.unit_of(output).factor
-        return values
+        return getattr(motion, self.value) * self.unit_of(output).factor
 
 
 RATIO_NAME = "ratio i\u2081\u2082"

@@ -108,8 +108,7 @@ class Condition:
             return self.judge
         from ncgear.figures.advice import teeth_advice
 
-        judge: Judge = getattr(teeth_advice, kind.value)
-        return judge
+        return getattr(teeth_advice, kind.value)
 
 
 CONDITIONS: dict[Kind, Condition] = {

@@ -64,8 +64,7 @@ def best_phases(own: list[Array], mate: list[Array], share: float, fixed_size: b
 
 def _log_ratio(radius: Array) -> Array:
     """Logarithm of how fast the mate of a radius turns."""
-    found: Array = np.log(radius / (closing_distance_mm(radius) - radius))
-    return found
+    return np.log(radius / (closing_distance_mm(radius) - radius))
 
 
 def _as_driven(radius: Array) -> tuple[Array, Array]:
@@ -322,8 +321,7 @@ def _smoothed(outline: Outline, axis_mm: Array) -> Array | None:
 
 def _resampled(radius: Array, count: int) -> Array:
     """Radii at ``count`` even angles, from the harmonics of a smooth curve."""
-    found: Array = np.fft.irfft(np.fft.rfft(radius)[: HARMONICS + 1], count) * (count / len(radius))
-    return found
+    return np.fft.irfft(np.fft.rfft(radius)[: HARMONICS + 1], count) * (count / len(radius))
 
 
 def _shrunk(curve: Rolled, limits: CurveLimits) -> Rolled | None:
