@@ -176,13 +176,9 @@ class PitchCurve(LawKeys):
         closed = closed_law(asked, lobes, self.center_distance_mm)
         if not self.gives_center_distance:
             return Law(linkage, single(closed.transmission), facts=facts)
-        found = {} if self.solve_for == "center_distance" else {self._found_name: closed.value}
+        found = {} if self.solve_for == "center_distance" else {self._found_key or self.solve_for: closed.value}
         sizes = {"center_distance_mm": closed.center_distance_mm, **found}
         return Law(linkage, single(closed.transmission), None, closed.center_distance_mm, {**sizes, **facts})
-
-    @property
-    def _found_name(self) -> str:
-        return self._found_key or self.solve_for
 
     def _curves(
         self, key: str, repeats: int

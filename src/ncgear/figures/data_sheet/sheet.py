@@ -74,7 +74,7 @@ def data_sheet(pair: Drive) -> DataSheet:
     }
     for number, gear in enumerate(Gear):
         for name, of in (("Span of", span_table), ("Pins in", pin_tables)):
-            tables[f"{name} the {gear.value} gear"] = partial(_of_one, pair, number, of)
+            tables[f"{name} the {gear.value} gear"] = partial(lambda of, number: of(pair.measured[number]), of, number)
     told = tuple(table for title, of in tables.items() for table in tables_or_why(title, of))
     return DataSheet(pair.title, tuple(group for group in groups if group.entries), told)
 
@@ -107,10 +107,6 @@ def tables_or_why(title: str, tables: Callable[[], tuple[Table, ...]]) -> tuple[
 def rows_found(tables: Callable[[], tuple[Table, ...]]) -> list[Cells]:
     """The rows of tables; none where they could not be computed."""
     return [row for table in tables_or_why("", tables) for row in table.rows]
-
-
-def _of_one(pair: Drive, number: int, tables: Callable[[GearMeasures], tuple[Table, ...]]) -> tuple[Table, ...]:
-    return tables(pair.measured[number])
 
 
 def sizes(drive: Drive) -> Iterator[SheetEntry]:
