@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ncgear.design.keys.base import listed
+from ncgear.design.words import listed
 from ncgear.drivetrain.jam import Load, deciding
 from ncgear.dynamics.driven_side import Knock
 from ncgear.dynamics.rigid import LoadPeaks

@@ -12,11 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from ncgear.design.keys.base import UNITS, Model, key_of, spellings
+from ncgear.design.keys.base import Model, key_of
 from ncgear.design.keys.design import Design
 from ncgear.design.laws import three_segment_stroke
 from ncgear.design.laws.harmonic_ratio import HarmonicRatio
 from ncgear.design.mechanisms import entry_of, lengths_of
+from ncgear.design.words import UNITS, spellings
 from ncgear.dynamics.crank_load import crank_angles_rad
 from ncgear.dynamics.sampled_shafts import CrankTable, crank_table
 from ncgear.errors import DesignError, WrongInput

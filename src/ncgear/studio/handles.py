@@ -15,9 +15,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ncgear.design.keys.base import FULL_TURN, given, spellings
+from ncgear.design.keys.base import FULL_TURN, given
 from ncgear.design.laws.base import DraggedPoint, LawNumber
 from ncgear.design.wishes.gentle_stop import GentleStop
+from ncgear.design.words import spellings
 from ncgear.drawings.charts.chart import Quantity
 from ncgear.errors import DesignError
 from ncgear.frozen import dataclass

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from math import degrees
 
-from ncgear.design.keys.base import listed
 from ncgear.design.keys.design import Design
+from ncgear.design.words import listed
 from ncgear.figures import best_law
 from ncgear.figures.answers.answer import Answer, Fault, Row, row
 from ncgear.figures.numbers import figure, finite, fixed, name_of, shown, to_digits

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from math import radians
 from typing import Any, Literal
 
-from ncgear.design.keys.base import listed
 from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.design.reading.text import whole
 from ncgear.design.rewritten import told_copy
+from ncgear.design.words import listed
 from ncgear.figures import strong
 from ncgear.figures.advice.drivetrain_advice import around
 from ncgear.figures.advice.values import Advice, Kind, Remedy, changed, in_file
