@@ -23,7 +23,17 @@ from pathlib import Path
 from stat import S_ISDIR, S_ISLNK
 
 from ncgear.errors import WrongInput
-from ncgear.files import one_file
+from ncgear.files.one_file import (
+    REMEDY,
+    WITHOUT_LINKS,
+    alone_in,
+    is_there,
+    refused,
+    replace_by,
+    second,
+    sync_folder,
+    write,
+)
 from ncgear.interrupts import uninterrupted
 
 STAGING_PREFIX = ".ncgear-"
@@ -37,12 +47,12 @@ def prepare(folder: Path) -> None:
 
     Raises WrongInput, with the path at fault, when a file is in the way or the folder is not writable.
     """
-    with one_file.refused(folder):
-        existing = next(place for place in (folder, *folder.absolute().parents) if one_file.is_there(place))
+    with refused(folder):
+        existing = next(place for place in (folder, *folder.absolute().parents) if is_there(place))
         if not existing.is_dir():
-            raise WrongInput(f"is no folder; {one_file.REMEDY}", location=str(existing))
+            raise WrongInput(f"is no folder; {REMEDY}", location=str(existing))
         if not os.access(existing, os.W_OK | os.X_OK):
-            raise WrongInput(f"cannot be written; {one_file.REMEDY}", location=str(existing))
+            raise WrongInput(f"cannot be written; {REMEDY}", location=str(existing))
 
 
 def prepare_file(path: Path) -> None:
@@ -76,11 +86,11 @@ def opened(folder: Path) -> Iterator[None]:
     OSError of its body, when the folder cannot be written; a folder created for nothing is removed.
     """
     prepare(folder)
-    with one_file.refused(folder), uninterrupted():
-        missing = [place for place in (folder, *folder.absolute().parents) if not one_file.is_there(place)]
+    with refused(folder), uninterrupted():
+        missing = [place for place in (folder, *folder.absolute().parents) if not is_there(place)]
         with _removed_if_failed(missing):
             folder.mkdir(parents=True, exist_ok=True)
-            with one_file.alone_in(folder):
+            with alone_in(folder):
                 _clear_up(folder)
                 yield
 
@@ -119,7 +129,7 @@ def real_place(path: Path) -> Path:
     Raises WrongInput where that cannot be done: nobody means a file in a staging folder.
     """
     real = Path(os.path.realpath(path))
-    if (left := _staging_in(real)) is not None and one_file.is_there(left):
+    if (left := _staging_in(real)) is not None and is_there(left):
         with opened(left.parent):
             # Opening the folder clears it up.
             real = Path(os.path.realpath(path))
@@ -150,10 +160,10 @@ def exchange(folder: Path, files: Mapping[str, bytes], gone: Collection[str] = (
     names = [*files, *(name for name in gone if name not in files)]
     if names == [*files] and len(names) == 1:
         # One file needs no exchange.
-        one_file.replace_by(folder / names[0], files[names[0]])
+        replace_by(folder / names[0], files[names[0]])
         return
     places = {folder, *((folder / name).parent for name in names)}
-    with _removed_if_failed([place for place in places if not one_file.is_there(place)]):
+    with _removed_if_failed([place for place in places if not is_there(place)]):
         staging = _new_staging(folder)
         try:
             _stage(folder, staging, files, names)
@@ -167,7 +177,7 @@ def exchange(folder: Path, files: Mapping[str, bytes], gone: Collection[str] = (
     try:
         _settle(folder, staging)
         for place in places:
-            one_file.sync_folder(place)
+            sync_folder(place)
         shutil.rmtree(staging)
     except OSError as error:
         said = f"the new files are in place, but links into {staging.name} stay ({error.strerror or error})"
@@ -184,13 +194,13 @@ def _stage(folder: Path, staging: Path, files: Mapping[str, bytes], names: Itera
     for place in sorted(folders):
         place.mkdir(parents=True, exist_ok=True)
     for name in names:
-        if one_file.is_there(folder / name):
+        if is_there(folder / name):
             # The old file is linked or copied, not moved, so that a killed run leaves a file at each place.
-            one_file.second(folder / name, staging / OLD / name)
+            second(folder / name, staging / OLD / name)
     for name, content in files.items():
-        one_file.write(staging / NEW / name, content)
+        write(staging / NEW / name, content)
     for place in (*sorted(folders), staging, folder):
-        one_file.sync_folder(place)
+        sync_folder(place)
 
 
 def _exchange(folder: Path, staging: Path, names: Iterable[str]) -> None:
@@ -204,7 +214,7 @@ def _exchange(folder: Path, staging: Path, names: Iterable[str]) -> None:
     try:
         _point(staging, OLD)
     except (NotImplementedError, OSError) as error:
-        if isinstance(error, OSError) and error.errno not in one_file.WITHOUT_LINKS and os.name == "posix":
+        if isinstance(error, OSError) and error.errno not in WITHOUT_LINKS and os.name == "posix":
             raise
         _exchange_one_by_one(folder, staging, list(names))
         return
@@ -213,7 +223,7 @@ def _exchange(folder: Path, staging: Path, names: Iterable[str]) -> None:
         link.symlink_to(os.path.relpath(staging / _POINTER / name, (folder / name).parent))
         link.replace(folder / name)
     for place in {folder, *((folder / name).parent for name in names)}:
-        one_file.sync_folder(place)
+        sync_folder(place)
     _point(staging, NEW)
 
 
@@ -239,7 +249,7 @@ def _exchange_one_by_one(folder: Path, staging: Path, names: list[str]) -> None:
 
 def _put(file: Path, place: Path) -> None:
     """Move a file to a place; where the file does not exist, the place becomes empty."""
-    if one_file.is_there(file):
+    if is_there(file):
         file.replace(place)
     else:
         place.unlink(missing_ok=True)
@@ -257,13 +267,13 @@ def _settle(folder: Path, staging: Path) -> None:
     names = {file.relative_to(side) for side in (staging / OLD, staging / NEW) for file in _files_below(side)}
     for name in sorted(names):
         place = folder / name
-        if one_file.is_there(place) and S_ISLNK(place.lstat().st_mode) and staging.name in place.readlink().parts:
+        if is_there(place) and S_ISLNK(place.lstat().st_mode) and staging.name in place.readlink().parts:
             _put(shown / name, place)
 
 
 def _files_below(folder: Path) -> Iterator[Path]:
     """All files and links in and below a folder; empty where there is no folder."""
-    if one_file.is_there(folder):
+    if is_there(folder):
         for name in os.listdir(folder):
             if S_ISDIR((folder / name).lstat().st_mode):
                 yield from _files_below(folder / name)
