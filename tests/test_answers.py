@@ -30,7 +30,7 @@ from ncgear.figures.answers.answer import (
 )
 from ncgear.figures.answers.machine import build_answer, check_answer, head_of
 from ncgear.figures.data_sheet.sheet import data_sheet
-from ncgear.figures.quantities import NAMES, SIZES, name_of
+from ncgear.figures.numbers import NAMES, SIZES, name_of
 from ncgear.figures.summary.build_summary import build_summary
 from ncgear.figures.terminal import _table, figures_text
 from ncgear.project.drive import Drive
@@ -354,9 +354,9 @@ def test_a_figure_that_differs_is_seen() -> None:
 
 
 def test_the_names_are_in_no_other_list() -> None:
-    """What has a name of its own is told by ``quantities`` alone."""
+    """What has a name of its own is told by ``numbers`` alone."""
     source = ROOT / "src" / "ncgear"
-    files = [path for path in source.rglob("*.py") if path.name != "quantities.py"]
+    files = [path for path in source.rglob("*.py") if path.name != "numbers.py"]
     own = {"centre distance", "greatest pressure angle", "peak acceleration, working stroke", "play of the driven gear"}
     held = {str(path): [name for name in own if f'"{name}"' in path.read_text(encoding="utf-8")] for path in files}
     assert {name: found for name, found in held.items() if found} == {}

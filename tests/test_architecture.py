@@ -64,6 +64,8 @@ def imports_of(path: Path) -> set[str]:
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.ImportFrom) and node.module:
             names.add(node.module)
+            parts = (f"{node.module}.{alias.name}" for alias in node.names)
+            names.update(part for part in parts if (SOURCE.parent / f"{part.replace('.', '/')}.py").exists())
         elif isinstance(node, ast.Import):
             names.update(alias.name for alias in node.names)
     return {name for name in names if name.split(".")[0] == "ncgear"}

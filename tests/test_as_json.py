@@ -13,9 +13,9 @@ import pytest
 from commands import ROOT, Run
 from drives import drive_of_text
 from ncgear.cli.app import COMMANDS
-from ncgear.cli.arguments import print_figures
+from ncgear.cli.arguments import AsJson, print_figures
 from ncgear.errors import Unanswered
-from ncgear.figures.csv_text import outline_csv
+from ncgear.figures.tables import outline_csv
 from ncgear.figures.terminal import kept_lines
 
 WITHOUT = {"studio", "animate", "new", "examples", "explain", "schema", "freecad"}
@@ -100,9 +100,9 @@ def only_json(out: str) -> dict[str, Any]:
 
 
 def test_every_command_that_tells_figures_has_the_same_option() -> None:
-    asked = {command.__name__: inspect.signature(command).parameters.get("as_json") for command in COMMANDS}
+    asked = {one.__name__: inspect.signature(one, eval_str=True).parameters.get("as_json") for one in COMMANDS}
     assert {name for name, option in asked.items() if option is None} == WITHOUT
-    assert {option.annotation for option in asked.values() if option is not None} == {"AsJson"}
+    assert all(option.annotation == AsJson for option in asked.values() if option is not None)
     assert set(CASES) == set(asked) - WITHOUT
 
 

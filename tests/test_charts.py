@@ -18,9 +18,8 @@ import ncgear.plots
 import reports
 from at_once import at_once
 from ncgear.drawings.animation.moving_picture import CHART_LOOK
-from ncgear.drawings.charts.chart import Chart, ChartLine, Role
+from ncgear.drawings.charts.chart import Chart, ChartLine, Quantity, Role, over_displacement
 from ncgear.drawings.charts.drawer import MOTION_LOOK, Look, draw
-from ncgear.drawings.charts.slider_charts import Quantity, over_displacement
 from ncgear.drawings.page.chart_figure import PageChart
 from ncgear.drawings.page.chart_svg import OF_REPORT, PAGE_LOOK, TEXT_SIZE, Size, drawn
 from ncgear.drawings.page.motion_charts import motion_charts

@@ -24,8 +24,7 @@ from ncgear.errors import Unanswered
 from ncgear.figures.advice.verdict import KnownParts, judged
 from ncgear.figures.assembly import assembly_of
 from ncgear.figures.data_sheet.sheet import data_sheet, sheet_text
-from ncgear.figures.numbers import drawn, fixed, json_text, shown, to_digits
-from ncgear.figures.quantities import SIZES, name_of, told
+from ncgear.figures.numbers import SIZES, drawn, fixed, json_text, name_of, shown, to_digits, told
 from ncgear.figures.summary.build_summary import build_summary
 from ncgear.figures.terminal import figures_text
 from ncgear.files.workshop.drawing import pair_drawings, written

@@ -15,13 +15,14 @@ from at_once import at_once
 from commands import ROOT, Run
 from drives import TRAINS
 from ncgear.design.keys.balance import Balance
-from ncgear.design.keys.base import FAULT_TYPE, folded, listed, quantity
+from ncgear.design.keys.base import FAULT_TYPE
 from ncgear.design.keys.design import Design
 from ncgear.design.laws.registry import LawName
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.reference import Key, allowed, example, keys_of, told_keys_of, unit_of
 from ncgear.design.told_keys import told_keys
 from ncgear.design.trains.registry import TrainFile
+from ncgear.design.words import folded, listed, quantity
 from ncgear.figures.explained import IDEAS, explained
 
 FILES = [*ROOT.glob("designs/*.yaml"), *ROOT.glob("designs/balance/*.yaml")]

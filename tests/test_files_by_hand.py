@@ -22,7 +22,7 @@ from ncgear.files import editor, read_back, searched
 from ncgear.files.sweep import _ticks
 from ncgear.files.train import FRAMES, _glb, _solid, _trace_csv
 from ncgear.files.workshop.sheets.body import finished
-from ncgear.files.workshop.turning import _after, _chunks, _parted
+from ncgear.files.workshop.solid_files import _after, _chunks, _parted
 from ncgear.numerics.plane import Vector
 from ncgear.pitch.shape import Gear
 from ncgear.solids.plan.body import ArcSlot, BodyPlan, Bore, Keyway, RoundHole

@@ -21,7 +21,7 @@ from ncgear.optimum.makeable import levels, quantities
 from ncgear.optimum.makeable.places import cell_ends, places
 from ncgear.optimum.makeable.quantities import RatioPlace, Slider
 from ncgear.optimum.makeable.reached import over_turn, peaks, running
-from ncgear.optimum.outline.phases import best_phases
+from ncgear.optimum.outline.nearest import best_phases
 from ncgear.optimum.task import GearSize, Task
 from ncgear.ratio.transmission import Lobes
 

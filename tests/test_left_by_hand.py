@@ -18,6 +18,7 @@ import ncgear.figures.balance.shaking as shaking
 import ncgear.project.strengthening as strengthening
 import ncgear.whole_machines.conflict as conflict
 from at_once import at_once
+from ncgear.balance import frame
 from ncgear.contact.designed import edges
 from ncgear.design.wishes.dwell import Dwell
 from ncgear.errors import Unanswered, WrongInput
@@ -81,8 +82,8 @@ def test_the_longest_hard_dwells_of_both_ends_leave_time_for_the_ways(dwells: An
 @pytest.mark.judges("figures")
 def test_a_chassis_is_told_what_both_loads_need_together(monkeypatch: pytest.MonkeyPatch) -> None:
     found = Made(retracted_kg=30.0, extended_kg=20.0, worst_kg=Extremum(35.0, pi / 6.0))
-    monkeypatch.setattr(shaking, "dynamic_counterweights", lambda chassis, mechanism: found)
-    monkeypatch.setattr(shaking, "static_counterweight_kg", lambda *_: 12.0)
+    monkeypatch.setattr(frame, "dynamic_counterweights", lambda chassis, mechanism: found)
+    monkeypatch.setattr(frame, "static_counterweight_kg", lambda *_: 12.0)
     asked = Made(mechanism="b", slider_kg=1.0, weight_kg=2.0, weight_lever_mm=3.0)
     asked = Made(**vars(asked), support_mm=4.0, counterweight_mm=5.0, tilt_deg=6.0)
     balance = Made(chassis=asked, mechanisms=[Made(name="a"), Made(name="b")])

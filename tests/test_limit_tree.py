@@ -17,7 +17,7 @@ from kept_laws import FILES, KeptLaw, kept
 from ncgear.design.reading.design_file import load
 from ncgear.mechanisms.forces import RodMasses
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.certified import sums
+from ncgear.optimum.certified import limit, sums
 from ncgear.optimum.certified.cycle import CrankCycle, cycle
 from ncgear.optimum.certified.demands import Demands
 from ncgear.optimum.certified.limit import Motion
@@ -286,7 +286,7 @@ def test_a_law_is_the_limit_at_once_only_where_no_motion_has_less(without: float
         return 6.0, Effort(9, 9, 2, True)
 
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(sums, "problem_of", lambda *_: SimpleNamespace(on=on))
+        patched.setattr(limit, "problem_of", lambda *_: SimpleNamespace(on=on))
         patched.setattr(sums, "_trials", lambda *_: trials)
         patched.setattr(sums, "halves", lambda _: [])
         patched.setattr(sums, "whole_tree", lambda *_: (tree, None))

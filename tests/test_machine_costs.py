@@ -14,7 +14,7 @@ import pytest
 
 from at_once import at_once
 from drives import DESIGNS, loaded
-from ncgear.design.keys.choices import Choices
+from ncgear.design.keys.optimize import Choices
 from ncgear.design.reading.design_file import LoadedDesign, parsed
 from ncgear.design.rewritten import rewritten
 from ncgear.figures.advice.values import Advice, Kind, Remedy, RemedySearch

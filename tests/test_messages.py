@@ -10,9 +10,9 @@ import pytest
 
 from commands import ROOT
 from ncgear.design.keys.balance import Balance
-from ncgear.design.keys.base import quantity
 from ncgear.design.keys.design import Design
 from ncgear.design.reference import keys_of
+from ncgear.design.words import quantity
 
 SOURCE = ROOT / "src" / "ncgear"
 RAISING = {"WrongInput", "NoSuchMechanism", "fault"}

@@ -26,7 +26,7 @@ from ncgear.drawings.plots import canvas
 from ncgear.drawings.scene.standing import views
 from ncgear.drawings.solid_pair import DISTANCE, FIELD_DEG, solid_view
 from ncgear.drawings.train_pictures import color_of, meshes_picture, train_frames, train_picture
-from ncgear.files.workshop.turning import _chunks
+from ncgear.files.workshop.solid_files import _chunks
 from ncgear.numerics.arrays import Array
 from ncgear.trains.train import Train
 from scenes import drive_of, scene, standing

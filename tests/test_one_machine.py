@@ -23,9 +23,9 @@ from ncgear.design.keys.design import Design
 from ncgear.design.space import Listed, Space
 from ncgear.design.template import MachineName, machine_template
 from ncgear.errors import DesignError
-from ncgear.figures.csv_text import law_csv
 from ncgear.figures.simulated import rigid_figures
 from ncgear.figures.summary.check_summary import check_summary, uniform_key
+from ncgear.figures.tables import law_csv
 from ncgear.files.sweep_run import Order, screening_of
 from ncgear.numerics.units import KG_M2
 from ncgear.optimum.task import Task, figures

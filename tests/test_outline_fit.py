@@ -19,9 +19,8 @@ from commands import Run
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.outline.conditions import CurveLimits, conditions
-from ncgear.optimum.outline.nearest import deviation, nearest_curve
+from ncgear.optimum.outline.nearest import best_phases, deviation, nearest_curve
 from ncgear.optimum.outline.outline import axes_to_try, outline_of
-from ncgear.optimum.outline.phases import best_phases
 from ncgear.optimum.outline.programme import OutlineAim
 from ncgear.optimum.outline.rolled import MatePlace, Rolled, SplineBasis, closing_distance_mm, rays
 from ncgear.project.drive import Drive

@@ -24,17 +24,15 @@ from commands import Run
 from disk import leftovers
 from drives import drive, drive_of_text
 from killed_runs import seen
-from ncgear.drawings.charts.chart import EMPTY, ChartLine, Role
+from ncgear.drawings.charts.chart import EMPTY, LOAD, MOTION, ChartLine, Role, motion_chart, over_displacement
 from ncgear.drawings.charts.drawer import MOTION_COLUMN, MOTION_LOOK, beside_png, column_png, mark_extreme
-from ncgear.drawings.charts.slider_charts import LOAD, MOTION, motion_chart, over_displacement
 from ncgear.drawings.plots import assembled_pair as gears
 from ncgear.drawings.plots.canvas import DRIVEN, DRIVING, HIGHLIGHT
 from ncgear.errors import NoSuchMechanism, Unanswered, WrongInput
-from ncgear.figures.csv_text import law_csv, outline_csv, rows_text
 from ncgear.figures.numbers import json_text, shown
 from ncgear.figures.summary.build_summary import pitch_summary
 from ncgear.figures.summary.check_summary import MIXED_SPEEDS, SAME_SPEED
-from ncgear.figures.tables import WIDTH, cell_text
+from ncgear.figures.tables import WIDTH, cell_text, law_csv, outline_csv, rows_text
 from ncgear.figures.terminal import figures_text, timing_text
 from ncgear.files.build import build
 from ncgear.files.manifest import MANIFEST, publish_run

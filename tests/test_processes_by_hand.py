@@ -48,7 +48,7 @@ def test_powers_of_two_within_both_ends_are_taken(monkeypatch: pytest.MonkeyPatc
     def opened(*_: Any, **__: Any) -> Any:
         raise Stopped
 
-    monkeypatch.setattr(study, "opened", opened)
+    monkeypatch.setattr(arguments, "opened", opened)
     for samples in (study.FEWEST, 4096, study.MOST):
         with pytest.raises(Stopped):
             study.tolerance(Path("x.yaml"), samples=samples)
@@ -86,7 +86,7 @@ def test_files_go_below_the_folder_of_exports_unless_a_place_is_given(monkeypatc
     monkeypatch.setattr(publish, "prepare_file", prepare)
     monkeypatch.setattr("ncgear.design.reading.design_file.load_train", lambda _: Made(file=Made(name="lift")))
     monkeypatch.setattr(
-        machine, "opened", lambda _: __import__("contextlib").nullcontext(Made(design=Made(name="pump")))
+        arguments, "opened", lambda _: __import__("contextlib").nullcontext(Made(design=Made(name="pump")))
     )
     form: Any = (10, 1.0, 100)
     for out in (None, Path("elsewhere")):

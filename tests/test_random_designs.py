@@ -33,8 +33,8 @@ from ncgear.cli.arguments import opened
 from ncgear.design.laws.function_generator import FunctionGenerator
 from ncgear.drawings.beside import Here
 from ncgear.errors import DesignError
-from ncgear.figures.csv_text import outline_csv
 from ncgear.figures.summary.check_summary import check_summary
+from ncgear.figures.tables import outline_csv
 from ncgear.files import build as build_module
 from ncgear.files.read_back import outline_of_csv
 from ncgear.files.workshop.formats import USUAL, WRITTEN

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.project import compared, face_load, finer, outline_fit, sizing, vibration
+from ncgear.project import compared, face_load, finer, outline_fit, outline_trial, sizing, vibration
 from ncgear.project.compared import ComparedPair
 
 pytestmark = pytest.mark.judges("project")
@@ -129,7 +129,7 @@ def test_curves_near_an_outline_have_the_nearest_number_of_teeth(monkeypatch: py
     """A hull of 200 mm is 32 pitches of module 2; the free curve of 170 mm is 27 of them."""
     search: Any = Made(design=None, outline=Made(hull_length_mm=200.0), limits=None, wanted=None, axis_mm=None)
     asked: list[int] = []
-    monkeypatch.setattr(outline_fit, "gears_of", lambda design: Made(module_mm=2.0))
+    monkeypatch.setattr(outline_trial, "gears_of", lambda design: Made(module_mm=2.0))
     monkeypatch.setattr(
         outline_fit, "nearest_curve", lambda outline, teeth, *_: asked.append(teeth) or Made(length_mm=170.0)
     )

@@ -22,8 +22,7 @@ from at_once import at_once
 from commands import ROOT, Run, python
 from ncgear.contact.written.as_written import Outlines
 from ncgear.drawings import palette
-from ncgear.drawings.charts.chart import decimals_of
-from ncgear.drawings.charts.slider_charts import LOAD, MOTION
+from ncgear.drawings.charts.chart import LOAD, MOTION, decimals_of
 from ncgear.drawings.page import REPORT_FILE
 from ncgear.drawings.page.assets import scene_style
 from ncgear.drawings.page.chart_figure import DIGITS, PageChart

@@ -14,7 +14,7 @@ import pytest
 
 import drives
 import reports
-from ncgear.drawings.charts.slider_charts import LOAD, MOTION
+from ncgear.drawings.charts.chart import LOAD, MOTION
 from ncgear.drawings.page.chart_figure import PageChart
 from ncgear.drawings.page.chart_svg import OF_REPORT
 from ncgear.drawings.page.page_charts import gear_charts

@@ -16,7 +16,7 @@ import ncgear.files.workshop.sheets.gear_view as gear_view
 import ncgear.files.workshop.sheets.sheets as sheets
 from at_once import at_once
 from ncgear.files.workshop.drawing import bore_shape
-from ncgear.files.workshop.sheets import gear_tables
+from ncgear.files.workshop.sheets import body, gear_tables
 from ncgear.files.workshop.sheets.board import Board
 from ncgear.files.workshop.sheets.body import HATCH_MM, BodySection, PaperView, section_of
 from ncgear.files.workshop.sheets.frame import Box
@@ -112,13 +112,15 @@ def test_the_centre_distance_stands_outside_both_gears_or_between_their_axes(mon
     asked: list[Any] = []
     for name in ("drawn_body", "drawn_holes"):
         monkeypatch.setattr(sheets, name, lambda *_: [])
-    for name in ("number_teeth", "_name", "_draw_crank"):
-        monkeypatch.setattr(sheets, name, lambda *_, **__: None)
+    for module, name in ((gear_view, "number_teeth"), (sheets, "_name"), (sheets, "_draw_crank")):
+        monkeypatch.setattr(module, name, lambda *_, **__: None)
     turned: list[tuple[float, float]] = []
-    monkeypatch.setattr(sheets, "draw_turning", lambda board, view, sense, free: turned.append((sense, free)))
-    monkeypatch.setattr(sheets, "free_radius_mm", lambda plan, view: 8.0)
+    monkeypatch.setattr(gear_view, "draw_turning", lambda board, view, sense, free: turned.append((sense, free)))
+    monkeypatch.setattr(gear_view, "free_radius_mm", lambda plan, view: 8.0)
     monkeypatch.setattr(sheets, "distance_text", lambda drive: "\u00b1 0.1")
-    monkeypatch.setattr(sheets, "mounting_of", lambda drive: Made(sense=lambda g: 1.0 if g is Gear.DRIVING else -1.0))
+    monkeypatch.setattr(
+        gear_view, "mounting_of", lambda drive: Made(sense=lambda g: 1.0 if g is Gear.DRIVING else -1.0)
+    )
     monkeypatch.setattr(Board, "put_dimension", lambda self, some: asked.extend(one for (one,) in some))
     linkage = Made(HAS_CRANK=False, CRANK="crank")
     plans: Any = {gear: Made(disc=square, index_hole=object()) for gear in Gear}
@@ -150,7 +152,7 @@ def test_a_mechanism_stands_in_the_middle_of_its_box(monkeypatch: pytest.MonkeyP
     around = np.exp(1j * np.linspace(0.0, 2.0 * pi, 361))
     circle = 12.0 * np.column_stack([around.real, around.imag])
     curves = [Made(gear=gear, drawn=lambda count: Made(position=circle)) for gear in Gear]
-    monkeypatch.setattr(sheets, "mounting_of", lambda drive: mounting)
+    monkeypatch.setattr(gear_view, "mounting_of", lambda drive: mounting)
     monkeypatch.setattr(sheets, "shafts_below", lambda drive: [("gear", "shaft"), ("rod", "pin")])
     supports = [np.array([[-3.0, -9.0], [3.0, -9.0]])]
     monkeypatch.setattr(sheets, "supports_mm", lambda linkage: supports)
@@ -207,7 +209,7 @@ def test_a_gear_and_its_section_share_the_width(bounds: tuple[float, float, floa
     area, height = Box(22.0, 154.0, 198.0, 285.0), 12.0
     seen: dict[str, Any] = {}
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(gear_view, "section_of", lambda plan: Made(height_mm=height))
+        patch.setattr(body, "section_of", lambda plan: Made(height_mm=height))
         patch.setattr(gear_view, "_draw_gear", lambda board, *_: seen.update(board=board))
         patch.setattr(gear_view, "_draw_section", lambda *given: seen.update(cut=given[0], left=given[3]))
         view, items = gear_view.gear_views(Made(), Made(), Made(disc=Made(bounds=bounds)), area)

@@ -29,7 +29,7 @@ from ncgear.design.reading.design_file import parsed
 from ncgear.design.reading.places import with_value
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.reference import keys_of
-from ncgear.drawings.charts.slider_charts import Quantity
+from ncgear.drawings.charts.chart import Quantity
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.interrupts import quiet_of_interrupts
 from ncgear.project.drive import Drive

@@ -18,7 +18,7 @@ import pytest
 from commands import fresh
 from drives import DESIGNS, MACHINES
 from ncgear.design.reading.design_file import parsed
-from ncgear.drawings.charts.slider_charts import Quantity
+from ncgear.drawings.charts.chart import Quantity
 from ncgear.project.drive import Drive
 from ncgear.studio.drafts import DRAFT
 from scenes import in_a_browser

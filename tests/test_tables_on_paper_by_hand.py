@@ -14,7 +14,7 @@ import ncgear.files.workshop.sheets.gear_view as gear_view
 from at_once import at_once
 from ncgear.figures.tables import Table
 from ncgear.files.workshop.drawing import Polyline
-from ncgear.files.workshop.sheets import gear_tables
+from ncgear.files.workshop.sheets import body, gear_tables
 from ncgear.files.workshop.sheets.board import Board
 from ncgear.files.workshop.sheets.body import PaperView
 from ncgear.files.workshop.sheets.frame import ROW_MM, Box, ColumnWidths, PaperTable, Titles, framed
@@ -34,7 +34,7 @@ def numbered(scale: float, patch: pytest.MonkeyPatch, *, fifths: bool, hole_mm: 
     """Middles of the numbers of 20 teeth about a circle of 30 mm, as complex numbers about the axis in mm of paper."""
     turned = 2.0 * pi * np.arange(20) / 20.0
     around = np.column_stack([np.cos(turned), np.sin(turned)])
-    patch.setattr(gear_view, "tooth_places", lambda gear, height: (30.0 + height) * around)
+    patch.setattr(body, "tooth_places", lambda gear, height: (30.0 + height) * around)
     rack = Made(addendum_mm=3.0, dedendum_mm=4.0)
     gear: Any = Made(flanks=Made(rack=rack, curve=Made(length_mm=60.0 * pi), count=40))
     board = Board(WIDE)

@@ -17,7 +17,7 @@ from scipy.optimize import brentq
 from at_once import at_once
 from commands import Run
 from drives import DESIGNS, loaded
-from ncgear.design.keys.choices import Choices
+from ncgear.design.keys.optimize import Choices
 from ncgear.design.reading.design_file import parsed
 from ncgear.design.rewritten import rewritten
 from ncgear.errors import DesignError, WrongInput

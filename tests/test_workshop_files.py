@@ -36,7 +36,7 @@ from ncgear.drawings.plots.canvas import DRIVEN, DRIVING
 from ncgear.files.read_back import exact_outlines, outline_errors_mm, outline_of_dxf, outline_of_svg
 from ncgear.files.workshop.drawing import Layer, Use, pitch_points
 from ncgear.files.workshop.formats import USUAL, WRITERS, Format, all_made, begun_workshop_files
-from ncgear.files.workshop.turning import _after, turning
+from ncgear.files.workshop.solid_files import _after, turning
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.project.drive import Drive

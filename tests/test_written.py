@@ -10,7 +10,7 @@ import trimesh.creation
 from shapely import Polygon
 from trimesh.exchange.stl import export_stl
 
-from ncgear.figures.csv_text import outline_csv
+from ncgear.figures.tables import outline_csv
 from ncgear.files.read_back import FOOT, outline_of_csv, outline_of_stl, stl_bytes, written_outlines
 from ncgear.pitch.shape import Gear
 from ncgear.solids.mesh.pair import SolidPair, gear_solid

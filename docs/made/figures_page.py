@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from made.sources import SOURCES
-from ncgear.figures.quantities import name_of
+from ncgear.figures.numbers import name_of
 from ncgear.figures.tables import markdown
 
 NAME = "figures.md"

@@ -15,8 +15,8 @@ from ncgear.design.mechanisms import MECHANISMS, NO_LINKAGE, entry_of
 from ncgear.design.reading.balance_file import load_balance
 from ncgear.design.reading.design_file import load, load_train
 from ncgear.design.reading.text import has_train
-from ncgear.drawings.animation.moving_picture import draw_standing, gears, look_at, machine
-from ncgear.drawings.plots.canvas import figure, png
+from ncgear.drawings.animation.moving_picture import draw_standing, gears, machine
+from ncgear.drawings.plots.canvas import figure, look_at, png
 from ncgear.drawings.scene.scene import Scene, scene_of
 from ncgear.drawings.scene.standing import views
 from ncgear.errors import DesignError

@@ -17,9 +17,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ncgear.drawings.charts import teeth_charts
-from ncgear.drawings.charts.chart import Chart
+from ncgear.drawings.charts.chart import Chart, Quantity
 from ncgear.drawings.charts.drawer import CONTACT_LOOK, MOTION_LOOK, Look, angle_scale, draw
-from ncgear.drawings.charts.slider_charts import Quantity
 from ncgear.drawings.pictures import assembled_pitch_curves, assembled_teeth, positions_at, slider_chart
 from ncgear.drawings.plots.assembled_pair import ZOOM_IN_MODULES, draw_mesh, draw_pitch_curves, draw_whole
 from ncgear.errors import WrongInput

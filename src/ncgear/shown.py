@@ -20,5 +20,4 @@ class Shown:
 
     def _repr_html_(self) -> str:
         """The value as self-contained HTML; for parts that cannot be made it shows the error."""
-        text: str = import_module(DRAWER).html(self)
-        return text
+        return import_module(DRAWER).html(self)

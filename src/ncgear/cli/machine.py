@@ -8,32 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ncgear.cli.arguments import (
-    EXPORT,
-    AsJson,
-    DesignFile,
-    Timing,
-    Verbose,
-    files_to_complete,
-    folder_option,
-    opened,
-    pasted,
-    prepared,
-    print_times,
-    tell,
-    tell_written,
-)
+from ncgear.cli import arguments, train
 from ncgear.cli.mending import BUILD, OPTION, MakeTeeth, Mend, as_given, mended, naming_what_helps
 from ncgear.cli.progress import counted, steps_shown
-from ncgear.cli.train import (
-    animated_train,
-    build_train,
-    check_train,
-    is_train,
-    refuse_options,
-    report_train,
-    reports_as_train,
-)
 from ncgear.dynamics.level import Level
 from ncgear.errors import WrongInput, located
 from ncgear.files.workshop.formats import USUAL, Format, require_libraries, slow_to_load
@@ -43,18 +20,18 @@ if TYPE_CHECKING:
 
 
 def check(
-    design_file: DesignFile,
-    as_json: AsJson = False,
+    design_file: arguments.DesignFile,
+    as_json: arguments.AsJson = False,
     mend: MakeTeeth = False,
-    verbose: Verbose = False,
-    timing: Timing = False,
+    verbose: arguments.Verbose = False,
+    timing: arguments.Timing = False,
 ) -> None:
     """Check a design: motion and power, no files; teeth only where masses leave out the inertia of the gears."""
-    if is_train(design_file):
-        refuse_options(design_file, {"--mend": mend})
-        check_train(design_file, as_json=as_json, verbose=verbose)
+    if train.is_train(design_file):
+        train.refuse_options(design_file, {"--mend": mend})
+        train.check_train(design_file, as_json=as_json, verbose=verbose)
         return
-    with opened(design_file) as loaded:
+    with arguments.opened(design_file) as loaded:
         from ncgear.figures.advice.verdict import KnownParts, judged
         from ncgear.figures.answers.machine import check_answer
         from ncgear.figures.summary.check_summary import check_summary
@@ -66,17 +43,17 @@ def check(
         with steps_shown(1) as on_step:
             on_step("kinematics and power")
             verdict = judged(drive, KnownParts.MOTION)
-            file = f"{pasted(design_file)} {OPTION}" if made.text else pasted(design_file)
+            file = f"{arguments.pasted(design_file)} {OPTION}" if made.text else arguments.pasted(design_file)
             answer = check_answer(drive, verdict, file, made.said)
             figures = [check_summary(drive, verdict)] if as_json or verbose else []
-        tell(answer, *figures, as_json=as_json, verbose=verbose)
+        arguments.tell(answer, *figures, as_json=as_json, verbose=verbose)
         if timing:
-            print_times(drive)
+            arguments.print_times(drive)
 
 
 def build(
-    design_file: DesignFile,
-    out: Annotated[Path | None, folder_option()] = None,
+    design_file: arguments.DesignFile,
+    out: Annotated[Path | None, arguments.folder_option()] = None,
     kinds: Annotated[
         list[Format] | None,
         typer.Option(
@@ -90,28 +67,31 @@ def build(
         ),
     ] = False,
     mend: Mend = False,
-    as_json: AsJson = False,
-    verbose: Verbose = False,
-    timing: Timing = False,
+    as_json: arguments.AsJson = False,
+    verbose: arguments.Verbose = False,
+    timing: arguments.Timing = False,
 ) -> None:
     """Build the gears: outlines, solids, plots, motion law and summary, into a folder."""
-    if is_train(design_file):
-        refuse_options(design_file, {"--format": kinds, "--report": report, "--mend": mend})
-        build_train(design_file, out, as_json=as_json, verbose=verbose)
+    if train.is_train(design_file):
+        train.refuse_options(design_file, {"--format": kinds, "--report": report, "--mend": mend})
+        train.build_train(design_file, out, as_json=as_json, verbose=verbose)
         return
     from ncgear.drawings.beside import MOTION_PICTURE, PAGE_CHARTS, drawing_beside
 
     kinds = kinds or list(USUAL)
     require_libraries(kinds)
     charts = [PAGE_CHARTS] if report else []
-    with drawing_beside(MOTION_PICTURE, *charts, *slow_to_load(kinds)) as drawer, opened(design_file) as given:
-        prepared(out, given.design.name)
+    with (
+        drawing_beside(MOTION_PICTURE, *charts, *slow_to_load(kinds)) as drawer,
+        arguments.opened(design_file) as given,
+    ):
+        arguments.prepared(out, given.design.name)
         if given.design.gears is None:
             raise WrongInput("missing; a build needs it (teeth, module_mm, face_width_mm, ...)", key="gears")
 
         made = mended(given) if mend else as_given(given)
         loaded, drive = made.loaded, made.drive
-        folder = prepared(out, loaded.design.name)
+        folder = arguments.prepared(out, loaded.design.name)
 
         from ncgear.drawings.page import REPORT_FILE
         from ncgear.figures.answers.machine import build_answer
@@ -130,28 +110,28 @@ def build(
         if as_json:
             made.say()
         shown = folder / f"{loaded.design.name}.yaml" if made.text else design_file
-        then = f"open {folder / REPORT_FILE}" if report else f"ncgear report {pasted(shown)}"
+        then = f"open {folder / REPORT_FILE}" if report else f"ncgear report {arguments.pasted(shown)}"
         answer = build_answer(drive, built.verdict, then, made.said)
-        tell(answer, *built.summaries, as_json=as_json, verbose=verbose, run=run)
+        arguments.tell(answer, *built.summaries, as_json=as_json, verbose=verbose, run=run)
         if timing:
-            print_times(drive)
+            arguments.print_times(drive)
 
 
 def report(
-    design_file: DesignFile,
-    out: Annotated[Path | None, folder_option()] = None,
-    as_json: AsJson = False,
-    timing: Timing = False,
+    design_file: arguments.DesignFile,
+    out: Annotated[Path | None, arguments.folder_option()] = None,
+    as_json: arguments.AsJson = False,
+    timing: arguments.Timing = False,
 ) -> None:
     """Write report.html: the machine running, its curves, comparison, warnings, data sheet and design file."""
-    if reports_as_train(design_file):
-        refuse_options(design_file, {"--timing": timing})
-        report_train(design_file, out, as_json=as_json)
+    if train.reports_as_train(design_file):
+        train.refuse_options(design_file, {"--timing": timing})
+        train.report_train(design_file, out, as_json=as_json)
         return
     from ncgear.drawings.beside import PAGE_CHARTS, drawing_beside
 
-    with drawing_beside(PAGE_CHARTS) as drawer, opened(design_file) as loaded:
-        folder = prepared(out, loaded.design.name)
+    with drawing_beside(PAGE_CHARTS) as drawer, arguments.opened(design_file) as loaded:
+        folder = arguments.prepared(out, loaded.design.name)
 
         from ncgear.drawings.page import REPORT_FILE
         from ncgear.drawings.page.page import report_page
@@ -170,13 +150,15 @@ def report(
             page = report_page(drive, loaded, contacts, together(verdicts), drawer)
             figures = summaries_without_files(drive, contacts, verdicts) if as_json else []
         run = publish_run(folder, {REPORT_FILE: page}, "report")
-        tell_written(f"{folder / REPORT_FILE} ({len(page) / 1e6:.1f} MB): open it in a browser", run.kept, figures)
+        arguments.tell_written(
+            f"{folder / REPORT_FILE} ({len(page) / 1e6:.1f} MB): open it in a browser", run.kept, figures
+        )
         if timing:
-            print_times(drive)
+            arguments.print_times(drive)
 
 
 def animate(
-    design_file: DesignFile,
+    design_file: arguments.DesignFile,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -193,7 +175,7 @@ def animate(
     kind = format_of(out) if out else AnimationFormat.GIF
     require_shown(kind, frames, seconds)
     form = frames, seconds, width
-    make = animated_train if is_train(design_file) else _animated_machine
+    make = train.animated_train if train.is_train(design_file) else _animated_machine
     path, content = make(design_file, out, kind, form)
 
     from ncgear.files.manifest import publish_named, publish_run
@@ -205,7 +187,7 @@ def animate(
         if out is None
         else publish_named(path, content, command, replaces=True)
     )
-    tell_written(f"wrote {path}: {frames} frames in {seconds:g} s, {len(content) / 1e6:.3g} MB", run.kept)
+    arguments.tell_written(f"wrote {path}: {frames} frames in {seconds:g} s, {len(content) / 1e6:.3g} MB", run.kept)
 
 
 def _animated_machine(
@@ -214,8 +196,8 @@ def _animated_machine(
     """The place and the bytes of a GIF or MP4 of a machine; ``form`` has frames, seconds and width in pixels."""
     from ncgear.files.publish import prepare_file
 
-    with opened(design_file) as loaded:
-        path = out or EXPORT / loaded.design.name / "mechanism.gif"
+    with arguments.opened(design_file) as loaded:
+        path = out or arguments.EXPORT / loaded.design.name / "mechanism.gif"
         prepare_file(path)
 
         from ncgear.drawings.animation.packing import Loop, animated
@@ -231,19 +213,19 @@ def _animated_machine(
 
 
 def simulate(
-    design_file: DesignFile,
+    design_file: arguments.DesignFile,
     level: Annotated[
         Level,
         typer.Option(help="rigid: inverse dynamics in closed form; quasi_static: teeth under load; dynamic: in time."),
     ] = Level.RIGID,
-    out: Annotated[Path | None, folder_option("-<level>")] = None,
-    as_json: AsJson = False,
-    verbose: Verbose = False,
-    timing: Timing = False,
+    out: Annotated[Path | None, arguments.folder_option("-<level>")] = None,
+    as_json: arguments.AsJson = False,
+    verbose: arguments.Verbose = False,
+    timing: arguments.Timing = False,
 ) -> None:
     """Find the torques and forces in a design's machine, beside the uniform crank with the same masses."""
-    with opened(design_file) as loaded:
-        folder = prepared(out, f"{loaded.design.name}-{level}")
+    with arguments.opened(design_file) as loaded:
+        folder = arguments.prepared(out, f"{loaded.design.name}-{level}")
 
         from ncgear.figures.answers.simulated import simulated_answer
         from ncgear.files.manifest import publish_run
@@ -257,10 +239,10 @@ def simulate(
             drive.stopwatch.within = on_step.within
             found = simulate_drive(drive, level)
         run = publish_run(folder, simulation_files(found), "simulate")
-        answer = simulated_answer(drive, level, found.figures, found.verdict, pasted(design_file))
-        tell(answer, found.figures, as_json=as_json, verbose=verbose, run=run)
+        answer = simulated_answer(drive, level, found.figures, found.verdict, arguments.pasted(design_file))
+        arguments.tell(answer, found.figures, as_json=as_json, verbose=verbose, run=run)
         if timing:
-            print_times(drive)
+            arguments.print_times(drive)
 
 
 class Method(StrEnum):
@@ -271,7 +253,7 @@ class Method(StrEnum):
 
 
 def strength(
-    design_file: DesignFile,
+    design_file: arguments.DesignFile,
     method: Annotated[
         Method | None,
         typer.Option(
@@ -282,14 +264,14 @@ def strength(
     worn: Annotated[
         bool, typer.Option("--worn", help="Also rate the gears worn, after a quarter, half and all of the wanted life.")
     ] = False,
-    out: Annotated[Path | None, folder_option("-strength")] = None,
-    as_json: AsJson = False,
-    verbose: Verbose = False,
-    timing: Timing = False,
+    out: Annotated[Path | None, arguments.folder_option("-strength")] = None,
+    as_json: arguments.AsJson = False,
+    verbose: arguments.Verbose = False,
+    timing: arguments.Timing = False,
 ) -> None:
     """Say whether the teeth hold: safety and life of every tooth, the weakest first, and what would do."""
-    with opened(design_file, for_loads=True) as loaded:
-        folder = prepared(out, f"{loaded.design.name}-strength")
+    with arguments.opened(design_file, for_loads=True) as loaded:
+        folder = arguments.prepared(out, f"{loaded.design.name}-strength")
 
         from ncgear.figures.advice.strength_advice import SIZE, remedies
         from ncgear.figures.advice.verdict import KnownParts, judged, together
@@ -322,26 +304,26 @@ def strength(
                 on_pair_step("pictures")
                 files.update(strength_files(pair, rating, figures[-1]))
         run = publish_run(folder, files, "strength")
-        then = f"{SIZE} {pasted(design_file)}" if drive.design.stages == 1 else ""
+        then = f"{SIZE} {arguments.pasted(design_file)}" if drive.design.stages == 1 else ""
         answer = strength_answer(told, together(verdicts), then)
-        tell(answer, *figures, as_json=as_json, verbose=verbose, run=run)
+        arguments.tell(answer, *figures, as_json=as_json, verbose=verbose, run=run)
         if timing:
-            print_times(drive)
+            arguments.print_times(drive)
 
 
 def balance(
     balance_file: Annotated[
-        Path, typer.Argument(metavar="FILE.yaml", help="The balance file.", autocompletion=files_to_complete)
+        Path, typer.Argument(metavar="FILE.yaml", help="The balance file.", autocompletion=arguments.files_to_complete)
     ],
-    out: Annotated[Path | None, folder_option("-balance", "name")] = None,
-    as_json: AsJson = False,
-    verbose: Verbose = False,
+    out: Annotated[Path | None, arguments.folder_option("-balance", "name")] = None,
+    as_json: arguments.AsJson = False,
+    verbose: arguments.Verbose = False,
 ) -> None:
     """Say how much a machine shakes, and what mass where would stop it: linkages, gears, rotors, frequencies."""
     from ncgear.design.reading.balance_file import load_balance
 
     loaded = load_balance(balance_file)
-    folder = prepared(out, f"{loaded.balance.name}-balance")
+    folder = arguments.prepared(out, f"{loaded.balance.name}-balance")
 
     from ncgear.figures.balance.parts import balance_answer, balancing_figures
     from ncgear.files.balance import balance_files
@@ -356,4 +338,4 @@ def balance(
         files = balance_files(balancing, figures)
     run = publish_run(folder, files, "balance")
     answer = balance_answer(figures)
-    tell(answer, figures, as_json=as_json, verbose=verbose, run=run)
+    arguments.tell(answer, figures, as_json=as_json, verbose=verbose, run=run)

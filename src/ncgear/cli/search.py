@@ -9,40 +9,27 @@ from typing import Annotated
 
 import typer
 
-from ncgear.cli.arguments import (
-    SUFFIXES,
-    AsJson,
-    DesignFile,
-    Processes,
-    Scheduler,
-    Verbose,
-    folder_option,
-    materials_to_complete,
-    opened,
-    pasted,
-    prepared,
-    tell,
-)
+from ncgear.cli import arguments
 from ncgear.cli.mending import BUILD, naming_what_helps
 from ncgear.cli.progress import counted, steps_shown
 from ncgear.errors import WrongInput
 
 
 def optimize(
-    design_file: DesignFile,
+    design_file: arguments.DesignFile,
     starts: Annotated[
         int, typer.Option(min=1, max=10_000, help="Starts of the search; the best law of all is kept.")
     ] = 1,
-    scheduler: Scheduler = None,
-    processes: Processes = None,
-    out: Annotated[Path | None, folder_option("-optimized")] = None,
-    as_json: AsJson = False,
-    verbose: Verbose = False,
+    scheduler: arguments.Scheduler = None,
+    processes: arguments.Processes = None,
+    out: Annotated[Path | None, arguments.folder_option("-optimized")] = None,
+    as_json: arguments.AsJson = False,
+    verbose: arguments.Verbose = False,
 ) -> None:
     """Find the best law for a design's machine, with a certificate of how close to the limit it is."""
     from ncgear.files.manifest import publish_run
 
-    with opened(design_file) as loaded:
+    with arguments.opened(design_file) as loaded:
         from ncgear.design.words import ending_in
         from ncgear.figures.answers.best_law import optimized_answer
         from ncgear.figures.best_law import SUFFIX, certificate, optimized_design
@@ -52,7 +39,7 @@ def optimize(
         from ncgear.whole_machines.holding_law import holding
 
         name = ending_in(SUFFIX, loaded.design.name)
-        folder = prepared(out, name)
+        folder = arguments.prepared(out, name)
         lengths, flywheel = loaded.design.free_lengths, loaded.design.free_flywheel
         hold = loaded.design.holding_teeth
         with steps_shown(5 + bool(lengths) + bool(flywheel) + hold) as on_step:
@@ -89,13 +76,13 @@ def optimize(
                 files[PICTURE] = limit_picture(best)
         # The best law of another design in the same folder is kept.
         run = publish_run(folder, files, f"optimize {name}")
-        command, file = "build" if best.design.gears else "check", pasted(folder / f"{name}.yaml")
+        command, file = "build" if best.design.gears else "check", arguments.pasted(folder / f"{name}.yaml")
         answer = optimized_answer(best, f"ncgear {command} {file}")
-        tell(answer, figures, as_json=as_json, verbose=verbose, run=run)
+        arguments.tell(answer, figures, as_json=as_json, verbose=verbose, run=run)
 
 
 def frontier(
-    design_file: DesignFile,
+    design_file: arguments.DesignFile,
     points: Annotated[int, typer.Option(min=2, max=200, help="Points from least power to least acceleration.")] = 20,
     flywheel: Annotated[
         bool,
@@ -105,17 +92,17 @@ def frontier(
             "within optimize.driven_flywheel_kg_mm2.",
         ),
     ] = False,
-    scheduler: Scheduler = None,
-    processes: Processes = None,
-    out: Annotated[Path | None, folder_option("-frontier")] = None,
-    as_json: AsJson = False,
-    verbose: Verbose = False,
+    scheduler: arguments.Scheduler = None,
+    processes: arguments.Processes = None,
+    out: Annotated[Path | None, arguments.folder_option("-frontier")] = None,
+    as_json: arguments.AsJson = False,
+    verbose: arguments.Verbose = False,
 ) -> None:
     """Set power against acceleration: certified limit, best laws, published family, mechanisms, all at one speed.
 
     Uses all cores; finished points are kept in the folder, so that a run that was interrupted goes on from there.
     """
-    with opened(design_file) as loaded:
+    with arguments.opened(design_file) as loaded:
         from ncgear.figures.answers.best_law import flywheel_answer, frontier_answer
         from ncgear.figures.best_law import flywheel_figures, frontier_figures
         from ncgear.files.manifest import publish_run
@@ -124,13 +111,13 @@ def frontier(
         from ncgear.project.frontier_run import over_flywheels
         from ncgear.project.law_task import GearsAsGiven
 
-        folder = prepared(out, f"{loaded.design.name}-frontier")
+        folder = arguments.prepared(out, f"{loaded.design.name}-frontier")
         if flywheel:
             with counted("laws") as on_law:
                 over = over_flywheels(loaded.design, points, on_law)
             run = publish_run(folder, flywheel_files(over, loaded.design), "frontier")
             told = flywheel_answer(over, loaded.design)
-            tell(told, flywheel_figures(over, loaded.design), as_json=as_json, verbose=verbose, run=run)
+            arguments.tell(told, flywheel_figures(over, loaded.design), as_json=as_json, verbose=verbose, run=run)
             return
         with counted("points") as on_point:
             found = frontier_of(loaded.design, points, folder, on_point, scheduler, processes)
@@ -138,19 +125,19 @@ def frontier(
         run = publish_run(folder, frontier_files(found, beside), "frontier")
         answer = frontier_answer(found, beside, "give a cap as optimize.limits.peak_power_w, then ncgear optimize")
         figures = frontier_figures(found, beside)
-        tell(answer, figures, as_json=as_json, verbose=verbose, run=run)
+        arguments.tell(answer, figures, as_json=as_json, verbose=verbose, run=run)
 
 
 def fit(
-    design_file: DesignFile,
-    out: Annotated[Path | None, folder_option("-fitted")] = None,
-    as_json: AsJson = False,
-    verbose: Verbose = False,
+    design_file: arguments.DesignFile,
+    out: Annotated[Path | None, arguments.folder_option("-fitted")] = None,
+    as_json: arguments.AsJson = False,
+    verbose: arguments.Verbose = False,
 ) -> None:
     """Find the pitch curve nearest to a drawn outline whose pair of gears can be made, and say how far it strays."""
     from ncgear.files.manifest import publish_run
 
-    with opened(design_file, offers_fit=False) as loaded:
+    with arguments.opened(design_file, offers_fit=False) as loaded:
         from ncgear.design.words import ending_in
         from ncgear.figures.numbers import json_text
         from ncgear.figures.outline_fit import SUFFIX, fit_figures, fitted_answer, fitted_design
@@ -158,7 +145,7 @@ def fit(
         from ncgear.project.outline_fit import fitted
 
         name = ending_in(SUFFIX, loaded.design.name)
-        folder = prepared(out, name)
+        folder = arguments.prepared(out, name)
         with counted("pairs of gears made") as on_trial:
             found = fitted(loaded.design, on_trial)
         figures = fit_figures(found)
@@ -168,12 +155,12 @@ def fit(
             OUTLINE_PICTURE: outline_picture(found, loaded.design.name),
         }
         run = publish_run(folder, files, f"fit {name}")
-        answer = fitted_answer(loaded.design.name, found, f"ncgear build {pasted(folder / f'{name}.yaml')}")
-        tell(answer, figures, as_json=as_json, verbose=verbose, run=run)
+        answer = fitted_answer(loaded.design.name, found, f"ncgear build {arguments.pasted(folder / f'{name}.yaml')}")
+        arguments.tell(answer, figures, as_json=as_json, verbose=verbose, run=run)
 
 
 def size(
-    design_file: DesignFile,
+    design_file: arguments.DesignFile,
     space: Annotated[
         float | None,
         typer.Option(metavar="MM", min=1.0, help="Largest centre distance in mm.", show_default="no limit"),
@@ -197,7 +184,7 @@ def size(
             metavar="NAME",
             help="Material of both gears.",
             show_default="as the file says",
-            autocompletion=materials_to_complete,
+            autocompletion=arguments.materials_to_complete,
         ),
     ] = None,
     herringbone: Annotated[
@@ -207,19 +194,19 @@ def size(
         Path | None,
         typer.Option(metavar="FILE.yaml", help="Write the design file with the smallest gears.", show_default="none"),
     ] = None,
-    as_json: AsJson = False,
-    verbose: Verbose = False,
+    as_json: arguments.AsJson = False,
+    verbose: arguments.Verbose = False,
 ) -> None:
     """Find the smallest gears that hold: module of series I, number of teeth, face width, within a space."""
     from ncgear.files.publish import prepare_file
 
-    if out is not None and out.suffix not in SUFFIXES:
+    if out is not None and out.suffix not in arguments.SUFFIXES:
         raise WrongInput(f"{out} given; a file that ends in .yaml is right", key="--out")
     if material is not None:
         from ncgear.project.sizing import require_material
 
         require_material(material, "--material")
-    with opened(design_file) as loaded:
+    with arguments.opened(design_file) as loaded:
         if out is not None:
             prepare_file(out)
 
@@ -239,12 +226,15 @@ def size(
             found = smallest_gears(drive, GearRoom(space or inf, diameter or inf, width), on_trial)
             also = in_herringbone(found[0]) if herringbone else None
         option, what = ("--herringbone ", "herringbone teeth") if also else ("", "the first")
-        run, then = Run([], []), f"ncgear size {pasted(design_file)} {option}--out NEW.yaml writes a file with {what}"
+        run, then = (
+            Run([], []),
+            f"ncgear size {arguments.pasted(design_file)} {option}--out NEW.yaml writes a file with {what}",
+        )
         if out is not None:
             content = sized_design(loaded, also or found[0], asked).encode()
-            run, then = publish_named(out, content, f"size {out.name}"), f"ncgear build {pasted(out)}"
+            run, then = publish_named(out, content, f"size {out.name}"), f"ncgear build {arguments.pasted(out)}"
         answer = sized_answer(found, then, stated_inertias(loaded.design), herringbone and (also or "none"))
-        tell(answer, sized_figures(found, also), as_json=as_json, verbose=verbose, run=run)
+        arguments.tell(answer, sized_figures(found, also), as_json=as_json, verbose=verbose, run=run)
 
 
 STEPS = 4
@@ -252,12 +242,12 @@ STEPS = 4
 
 
 def design(
-    design_file: DesignFile,
-    scheduler: Scheduler = None,
-    processes: Processes = None,
-    out: Annotated[Path | None, folder_option("-machines")] = None,
-    as_json: AsJson = False,
-    verbose: Verbose = False,
+    design_file: arguments.DesignFile,
+    scheduler: arguments.Scheduler = None,
+    processes: arguments.Processes = None,
+    out: Annotated[Path | None, arguments.folder_option("-machines")] = None,
+    as_json: arguments.AsJson = False,
+    verbose: arguments.Verbose = False,
 ) -> None:
     """Find whole machines: law, gears, material, flywheel and motor together, and how far from the best they are.
 
@@ -266,12 +256,12 @@ def design(
     from ncgear.files.manifest import publish_run
     from ncgear.workers import one_thread_each
 
-    with one_thread_each(), opened(design_file) as loaded:
+    with one_thread_each(), arguments.opened(design_file) as loaded:
         from ncgear.files.searched import machine_files
         from ncgear.whole_machines.search import MachineSearch
         from ncgear.whole_machines.told import machines_answer, machines_figures
 
-        folder = prepared(out, f"{loaded.design.name}-machines")
+        folder = arguments.prepared(out, f"{loaded.design.name}-machines")
         interrupted = False
         with steps_shown(STEPS) as on_step:
             begun: list[str] = []
@@ -291,9 +281,9 @@ def design(
                 found, interrupted = search.found, True
         run = publish_run(folder, machine_files(found), f"design {loaded.design.name}")
         best = found.machines[found.recommended]
-        answer = machines_answer(found, f"ncgear build {pasted(folder / f'{best.name}.yaml')}")
+        answer = machines_answer(found, f"ncgear build {arguments.pasted(folder / f'{best.name}.yaml')}")
         figures = machines_figures(found)
-        tell(answer, figures, as_json=as_json, verbose=verbose, run=run)
+        arguments.tell(answer, figures, as_json=as_json, verbose=verbose, run=run)
         if interrupted:
             # At the end of an interrupted command, unwritten output is lost
             sys.stdout.flush()

@@ -10,18 +10,7 @@ from typing import Annotated
 
 import typer
 
-from ncgear.cli.arguments import (
-    AsJson,
-    DesignFile,
-    Processes,
-    Scheduler,
-    Verbose,
-    folder_option,
-    opened,
-    pasted,
-    prepared,
-    tell,
-)
+from ncgear.cli import arguments
 from ncgear.cli.progress import counted
 from ncgear.errors import WrongInput
 
@@ -54,7 +43,7 @@ def _about_options(design_file: Path) -> Iterator[None]:
 
 
 def sweep(
-    design_file: DesignFile,
+    design_file: arguments.DesignFile,
     vary: Annotated[
         list[str],
         typer.Option(
@@ -81,11 +70,11 @@ def sweep(
     ] = None,
     stage: Annotated[Depth, typer.Option(help="How far the best designs are followed.")] = Depth.PITCH,
     keep: Annotated[int, typer.Option(metavar="N", min=1, help="Best designs that go on beyond pitch curves.")] = 100,
-    scheduler: Scheduler = None,
-    processes: Processes = None,
-    out: Annotated[Path | None, folder_option("-sweep")] = None,
-    as_json: AsJson = False,
-    verbose: Verbose = False,
+    scheduler: arguments.Scheduler = None,
+    processes: arguments.Processes = None,
+    out: Annotated[Path | None, arguments.folder_option("-sweep")] = None,
+    as_json: arguments.AsJson = False,
+    verbose: arguments.Verbose = False,
 ) -> None:
     """Screen many designs, up to millions: grids, lists or samples of some keys' values; the best go on to teeth.
 
@@ -99,10 +88,10 @@ def sweep(
         from ncgear.design.space import space_of, varied_of
 
         varied = [varied_of(text) for text in vary]
-    with one_thread_each(), opened(design_file) as loaded:
+    with one_thread_each(), arguments.opened(design_file) as loaded:
         with _about_options(design_file):
             space = space_of(loaded, varied, samples, sampling.value, seed)
-        folder = prepared(out, f"{loaded.design.name}-sweep")
+        folder = arguments.prepared(out, f"{loaded.design.name}-sweep")
 
         from ncgear.figures.sweep import sweep_figures, swept_answer
         from ncgear.files.manifest import publish_run
@@ -125,6 +114,6 @@ def sweep(
         run = publish_run(folder, files, "sweep")
         run.paths.extend(found.tables)
         best = first_best(files)
-        then = f"ncgear build {pasted(folder / best)}" if best else "give other values, or fewer constraints"
+        then = f"ncgear build {arguments.pasted(folder / best)}" if best else "give other values, or fewer constraints"
         answer = swept_answer(loaded.design, found.screened, found.deeper, stage.value, then)
-        tell(answer, figures, as_json=as_json, verbose=verbose, run=run)
+        arguments.tell(answer, figures, as_json=as_json, verbose=verbose, run=run)

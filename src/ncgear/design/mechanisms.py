@@ -12,20 +12,8 @@ from dataclasses import field, fields
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from ncgear.design.keys import machine
 from ncgear.design.keys.base import Model
-from ncgear.design.keys.machine import (
-    LeverKeys,
-    Linkage,
-    Load,
-    NoLinkage,
-    RackKeys,
-    Resistance,
-    RockerKeys,
-    RockerTorque,
-    ShaftTorque,
-    TurningLoad,
-    YokeKeys,
-)
 from ncgear.design.keys.masses import DrivenShaftMasses, GearMasses, LeverMasses, Masses, RockerMasses, SlidingMasses
 from ncgear.design.wishes.registry import TurningWishes, Wishes
 from ncgear.errors import WrongInput
@@ -47,7 +35,7 @@ class MechanismEntry:
 
     linkage: type[Model]
     masses: type[GearMasses] = SlidingMasses
-    resistance: type[Load] = Resistance
+    resistance: type[machine.Load] = machine.Resistance
     wishes: type[Wishes] = Wishes
     proportions: Mapping[str, float] = field(default_factory=dict)
     """Lengths of a working machine, as multiples of its crank or pinion, for new designs with this mechanism."""
@@ -67,7 +55,7 @@ class MechanismEntry:
     @property
     def turns(self) -> bool:
         """Whether the output turns."""
-        return issubclass(self.resistance, TurningLoad)
+        return issubclass(self.resistance, machine.TurningLoad)
 
     @property
     def needed_masses(self) -> list[str]:
@@ -79,21 +67,25 @@ NO_LINKAGE = "none"
 """The name of gears without a linkage."""
 
 MECHANISMS: dict[str, MechanismEntry] = {
-    "crank_slider": MechanismEntry("crank_slider", Linkage, Masses, proportions={"crank_mm": 1.0, "rod_mm": 3.0}),
-    "scotch_yoke": MechanismEntry("scotch_yoke", YokeKeys, proportions={"crank_mm": 1.0}),
+    "crank_slider": MechanismEntry(
+        "crank_slider", machine.Linkage, Masses, proportions={"crank_mm": 1.0, "rod_mm": 3.0}
+    ),
+    "scotch_yoke": MechanismEntry("scotch_yoke", machine.YokeKeys, proportions={"crank_mm": 1.0}),
     "crank_rocker": MechanismEntry(
         "crank_rocker",
-        RockerKeys,
+        machine.RockerKeys,
         RockerMasses,
-        RockerTorque,
+        machine.RockerTorque,
         TurningWishes,
         {"crank_mm": 1.0, "coupler_mm": 3.25, "rocker_mm": 2.25, "ground_mm": 3.5},
     ),
     "slotted_lever": MechanismEntry(
-        "slotted_lever", LeverKeys, LeverMasses, proportions={"crank_mm": 1.0, "pivot_mm": 2.5, "lever_mm": 5.0}
+        "slotted_lever", machine.LeverKeys, LeverMasses, proportions={"crank_mm": 1.0, "pivot_mm": 2.5, "lever_mm": 5.0}
     ),
-    "rack_pinion": MechanismEntry("rack_pinion", RackKeys, proportions={"radius_mm": 1.0}, has_crank_pin=False),
-    NO_LINKAGE: MechanismEntry("driven_shaft", NoLinkage, DrivenShaftMasses, ShaftTorque, has_crank_pin=False),
+    "rack_pinion": MechanismEntry("rack_pinion", machine.RackKeys, proportions={"radius_mm": 1.0}, has_crank_pin=False),
+    NO_LINKAGE: MechanismEntry(
+        "driven_shaft", machine.NoLinkage, DrivenShaftMasses, machine.ShaftTorque, has_crank_pin=False
+    ),
 }
 """All mechanisms by their names in ``linkage.kind``; the first is the usual mechanism."""
 

@@ -105,8 +105,7 @@ def drawing_beside(*drawings: str) -> Iterator[Drawer]:
 def function_of(drawing: str) -> Callable[..., Any]:
     """The function of a text ``module:function``; loads the module."""
     module, _, name = drawing.partition(":")
-    function: Callable[..., Any] = getattr(import_module(module), name)
-    return function
+    return getattr(import_module(module), name)
 
 
 def _loaded(drawings: tuple[str, ...]) -> None:

@@ -10,8 +10,18 @@ import numpy as np
 from ncgear.contact.pair import PairContact
 from ncgear.drawings.assembled import Assembled, AssembledPosition
 from ncgear.drawings.charts import teeth_charts
-from ncgear.drawings.charts.chart import EMPTY, Chart, ChartLine, Role, joints_up_to
-from ncgear.drawings.charts.slider_charts import LOAD, MOTION, Quantity, motion_chart, over_displacement
+from ncgear.drawings.charts.chart import (
+    EMPTY,
+    LOAD,
+    MOTION,
+    Chart,
+    ChartLine,
+    Quantity,
+    Role,
+    joints_up_to,
+    motion_chart,
+    over_displacement,
+)
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive

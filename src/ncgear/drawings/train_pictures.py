@@ -31,13 +31,18 @@ def train_picture(train: Train, outlines_mm: Mapping[str, Array], driving_rad: f
     poses = train.poses_at(np.array([driving_rad]))
     for number, part in sorted(enumerate(train.parts), key=lambda one: one[1].low_mm):
         _draw(axes, part, outlines_mm[part.name], poses, number, color_of(train, part))
-    angles = np.linspace(0.0, train.cycle_rad, PATH_POINTS)
-    for trace in train.traces:
-        axes.plot(*train.trace_mm(trace, angles).T, color=canvas.HIGHLIGHT, linewidth=1.4)
-        axes.plot(*trace.wished_mm.T, "o", color=canvas.INK, markersize=3.5)
+    _draw_traces(axes, train, 3.5)
     axes.set_aspect("equal", adjustable="datalim")
     canvas.dress(axes, "x in mm", "y in mm")
     return canvas.png(made)
+
+
+def _draw_traces(axes: Axes, train: Train, point: float) -> None:
+    """The paths of followed points over a cycle, and the points that are wished."""
+    angles = np.linspace(0.0, train.cycle_rad, PATH_POINTS)
+    for trace in train.traces:
+        axes.plot(*train.trace_mm(trace, angles).T, color=canvas.HIGHLIGHT, linewidth=1.4)
+        axes.plot(*trace.wished_mm.T, "o", color=canvas.INK, markersize=point)
 
 
 def color_of(train: Train, part: Part) -> str:
@@ -119,14 +124,8 @@ def train_frames(train: Train, title: str, width_px: int) -> Frames:
     made.set_dpi(2 * round(width_px / 2) / FRAME_WIDTH_IN)
     made.set_figheight(2 * round(height_in * made.dpi / 2) / made.dpi)
     axes = made.add_axes((0.0, 0.0, 1.0, 1.0 - HEADING_IN / height_in))
-    axes.set_xlim(low[0], high[0])
-    axes.set_ylim(low[1], high[1])
-    axes.set_aspect("equal")
-    axes.set_axis_off()
-    angles = np.linspace(0.0, train.cycle_rad, PATH_POINTS)
-    for trace in train.traces:
-        axes.plot(*train.trace_mm(trace, angles).T, color=canvas.HIGHLIGHT, linewidth=1.4)
-        axes.plot(*trace.wished_mm.T, "o", color=canvas.INK, markersize=3.0)
+    canvas.look_at(axes, (*low, *size))
+    _draw_traces(axes, train, 3.0)
     patches = []
     for number, part in sorted(enumerate(train.parts), key=lambda one: one[1].low_mm):
         color = color_of(train, part)

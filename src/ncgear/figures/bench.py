@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from ncgear.figures.answers.answer import Answer, Fault, Row
-from ncgear.figures.csv_text import rows_text
 from ncgear.figures.numbers import fixed, micrometres, to_digits
+from ncgear.figures.tables import rows_text
 from ncgear.project.bench import BenchStage, dominating
 
 

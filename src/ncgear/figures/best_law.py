@@ -18,8 +18,8 @@ from ncgear.design.laws.registry import found_values
 from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.design.rewritten import design_copy
 from ncgear.design.words import ending_in
-from ncgear.figures.csv_text import rows_text
 from ncgear.figures.numbers import shown
+from ncgear.figures.tables import rows_text
 from ncgear.frozen import dataclass
 from ncgear.numerics.units import KG_M2, label_and_unit
 from ncgear.optimum.flywheels import KNOTS, FlywheelPoint

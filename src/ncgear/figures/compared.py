@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 
 from ncgear.figures.answers.answer import Answer, Fault, Row
-from ncgear.figures.csv_text import csv_text, rows_text
-from ncgear.figures.numbers import fixed, known, micrometres, to_digits
-from ncgear.figures.quantities import figure
+from ncgear.figures.numbers import figure, fixed, known, micrometres, to_digits
+from ncgear.figures.tables import csv_text, rows_text
 from ncgear.frozen import dataclass
 from ncgear.metrology.best_fit import FEWEST_PLACES, MOST, are_judged, rough_points
 from ncgear.metrology.deviations import is_metal

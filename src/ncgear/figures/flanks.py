@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ncgear.design.words import listed
-from ncgear.figures.csv_text import rows_text
-from ncgear.figures.numbers import fixed, known, placed, to_digits
-from ncgear.figures.quantities import figure
+from ncgear.figures.numbers import figure, fixed, known, placed, to_digits
+from ncgear.figures.tables import rows_text
 from ncgear.numerics.arrays import largest_rows
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive

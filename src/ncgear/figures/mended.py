@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from itertools import groupby
 from textwrap import wrap
 
-from ncgear.design.keys.base import listed
 from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.design.rewritten import told_copy
+from ncgear.design.words import listed
 from ncgear.errors import DesignError
 from ncgear.figures.advice.values import changed, in_file
 from ncgear.figures.numbers import to_digits

@@ -9,7 +9,7 @@ from typing import Any
 
 from ncgear.errors import DesignError, WrongInput
 from ncgear.figures.answers.answer import difference
-from ncgear.figures.quantities import figure, name_of
+from ncgear.figures.numbers import PLACE, figure, name_of
 from ncgear.figures.summary.build_summary import pitch_summary
 from ncgear.figures.summary.check_summary import check_summary
 from ncgear.figures.tables import aligned
@@ -20,9 +20,6 @@ from ncgear.project.opened import load
 
 SECTIONS = ("drive", "check", "motion", "ratio", "pitch")
 """Sections of a summary whose numbers are compared, in this order."""
-
-PLACE = "_at_rad"
-"""End of the keys of places, which are not compared."""
 
 MAIN = (
     "speed_rpm",

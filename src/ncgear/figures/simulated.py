@@ -22,8 +22,8 @@ from ncgear.dynamics.level import Level
 from ncgear.dynamics.loaded_machine import Loads
 from ncgear.dynamics.rigid import LoadPeaks, Rigid
 from ncgear.errors import NoSuchMechanism
-from ncgear.figures.csv_text import load_column, motion_columns
 from ncgear.figures.summary.check_summary import uniform_key
+from ncgear.figures.tables import load_column, motion_columns
 from ncgear.kinematics.check import KinematicCheck, power_figures
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.arrays import Array

@@ -10,26 +10,16 @@ from typing import Any
 
 import numpy as np
 
-from ncgear.design.keys.base import listed
+from ncgear.design.words import listed
 from ncgear.drivetrain.jam import Load, deciding
 from ncgear.dynamics.driven_side import Knock
 from ncgear.dynamics.rigid import LoadPeaks
+from ncgear.figures import flanks
 from ncgear.figures.advice.verdict import Verdict
-from ncgear.figures.csv_text import rows_text
-from ncgear.figures.flanks import (
-    FILM,
-    film_of_teeth,
-    hours_words,
-    surfaces_figures,
-    surfaces_rows,
-    vibration_figures,
-    vibration_of_rating,
-)
-from ncgear.figures.numbers import fixed, known, to_digits
-from ncgear.figures.quantities import figure
+from ncgear.figures.numbers import figure, fixed, known, to_digits
 from ncgear.figures.simulated import SAME_AS_MESH, force_figures
 from ncgear.figures.summary.check_summary import stages_summary, verdict_summary
-from ncgear.figures.tables import Table, columns_of
+from ncgear.figures.tables import Table, columns_of, rows_text
 from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -100,11 +90,11 @@ def strength_figures(drive: Drive, rating: Rating, verdict: Verdict, beside: Rat
         "load": loads,
         "gears": {"module_mm": drive.pitch.size.module_mm, "face_width_mm": drive.gears.face_width_mm},
         "strength": strength_summary(rating, drive),
-        **surfaces_figures(drive.surfaces_by(strength.method)),
+        **flanks.surfaces_figures(drive.surfaces_by(strength.method)),
         "face_load": (
             {**asdict(told), "rigid_bearings": drive.face_loading.rigid_bearings} if told is not None else {}
         ),
-        "vibration": vibration_figures(vibration_of_rating(drive, rating)),
+        "vibration": flanks.vibration_figures(flanks.vibration_of_rating(drive, rating)),
     }
     if beside is not None:
         found["strength_beside"] = strength_summary(beside, drive)
@@ -343,19 +333,19 @@ def strength_csv(strength: Strength, film: Film | None) -> str:
     rows: list[list[object]] = []
     for gear in Gear:
         lives = lives_of(strength, gear)
-        films = film_of_teeth(film, gear)
+        films = flanks.film_of_teeth(film, gear)
         for row in range(lives[Damage.BENDING].safety.size):
             of_kinds = [(lives.get(kind), name) for kind in Damage for name in OF_TOOTH]
             cells = (known(float(getattr(life, name)[row])) if life else None for life, name in of_kinds)
-            rows.append([gear.value, row + 1, *cells, *films.get(row + 1, [None] * len(FILM))])
-    return rows_text(("gear", "tooth", *(f"{kind}_{name}" for kind in Damage for name in OF_TOOTH), *FILM), rows)
+            rows.append([gear.value, row + 1, *cells, *films.get(row + 1, [None] * len(flanks.FILM))])
+    return rows_text(("gear", "tooth", *(f"{kind}_{name}" for kind in Damage for name in OF_TOOTH), *flanks.FILM), rows)
 
 
 def life_words(hours: float, wears: bool = False) -> str:
     """Hours of life, to two digits, or the words for none and for no end of it, which teeth that wear have."""
     if not isfinite(hours):
         return "until worn" if wears else "no end"
-    return hours_words(hours)
+    return flanks.hours_words(hours)
 
 
 def materials_words(drive: Drive, strength: Strength) -> str:
@@ -379,7 +369,7 @@ def weakest_table(drive: Drive, rating: Rating) -> Table:
     strength = rating.strength
     by = METHODS[strength.method], ERRORS[strength.method]
     notes = [load_words(drive, strength), *by, materials_words(drive, strength)]
-    surfaces = surfaces_rows(drive, drive.surfaces_by(strength.method))
+    surfaces = flanks.surfaces_rows(drive, drive.surfaces_by(strength.method))
     notes += [f"{name.capitalize()}: {words}" for name, words in surfaces]
     cells = tuple(weakest_cells(one, strength.wears) for one in rating.weakest)
     return Table("Weakest teeth", HEADS, cells, tuple(f"{note}." for note in notes))

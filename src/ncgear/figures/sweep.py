@@ -10,9 +10,8 @@ import numpy as np
 
 from ncgear.design.keys.design import Design
 from ncgear.figures.answers.answer import Answer, Fault, Row
-from ncgear.figures.csv_text import rows_text
-from ncgear.figures.numbers import known, shown
-from ncgear.figures.quantities import name_of, told
+from ncgear.figures.numbers import known, name_of, shown, told
+from ncgear.figures.tables import rows_text
 from ncgear.numerics.arrays import Mask
 from ncgear.screening.deeper import OF_WANTED, ROOM, is_row
 from ncgear.screening.designs import Designs, joined
@@ -219,8 +218,7 @@ def _keeps(overview: Overview, name: str) -> Mask:
     """Which of the told designs, each counted once, keep a limit or have no such figure."""
     told = joined([best.at(slice(BEST)) for best in overview.best])
     once = told.at(np.unique(told.numbers, return_index=True)[1])
-    keeps: Mask = LIMITS[name][0].kept(once) | np.isnan(once.column(name))
-    return keeps
+    return LIMITS[name][0].kept(once) | np.isnan(once.column(name))
 
 
 def without_masses(overview: Overview) -> bool:

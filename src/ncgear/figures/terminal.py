@@ -9,8 +9,7 @@ from textwrap import wrap
 from typing import Any
 
 from ncgear.figures.answers.answer import Answer, in_one_line, whole_answer
-from ncgear.figures.numbers import fixed
-from ncgear.figures.quantities import STATISTICS, figure, labelled, name_of, told
+from ncgear.figures.numbers import STATISTICS, figure, fixed, labelled, name_of, told
 from ncgear.figures.summary.check_summary import comparison_tables
 from ncgear.figures.tables import WIDTH, aligned
 from ncgear.project.drive import Drive

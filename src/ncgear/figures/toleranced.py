@@ -11,10 +11,9 @@ import numpy as np
 from ncgear.figures.advice.values import Kind
 from ncgear.figures.advice.verdict import CONDITIONS
 from ncgear.figures.answers.answer import COLUMNS, Answer, Fault, Row
-from ncgear.figures.csv_text import csv_text
 from ncgear.figures.data_sheet.entries import assumed_words, limit_words
-from ncgear.figures.numbers import fixed, to_digits
-from ncgear.figures.quantities import STATISTICS, figure, name_of
+from ncgear.figures.numbers import STATISTICS, figure, fixed, name_of, to_digits
+from ncgear.figures.tables import csv_text
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.project.tolerance import Tolerated

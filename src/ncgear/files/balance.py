@@ -127,8 +127,7 @@ def spread(heights: Array, gap: float) -> Array:
     steps = gap * np.arange(len(heights))
     raised = np.maximum.accumulate(heights - steps)
     lowered = np.minimum.accumulate((heights - steps)[::-1])[::-1]
-    apart: Array = (raised + lowered) / 2.0 + steps
-    return apart
+    return (raised + lowered) / 2.0 + steps
 
 
 POINTS = 721

@@ -19,12 +19,12 @@ from ncgear.drawings.page import REPORT_FILE
 from ncgear.drawings.pictures import gear_pictures, load_pictures, motion_picture
 from ncgear.figures.advice.verdict import KnownParts, Verdict, judged, together
 from ncgear.figures.assembly import assembly_of
-from ncgear.figures.csv_text import contact_csv, law_csv, outline_csv
 from ncgear.figures.data_sheet.measured_tables import pitch_csv
 from ncgear.figures.data_sheet.sheet import data_sheet, sheet_text
 from ncgear.figures.numbers import json_text
 from ncgear.figures.summary.build_summary import build_summary, with_files
 from ncgear.figures.summary.check_summary import check_summary
+from ncgear.figures.tables import contact_csv, law_csv, outline_csv
 from ncgear.files.manifest import publish_run
 from ncgear.files.publish import prepare
 from ncgear.files.read_back import ERRORS, error_of_step_mm, exact_outlines, stl_bytes, written_outlines

@@ -10,7 +10,6 @@ from math import degrees, floor, log10
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
@@ -20,8 +19,8 @@ from ncgear.drawings.charts.drawer import CONTACT_COLUMN, CONTACT_LOOK, column_p
 from ncgear.drawings.palette import EXCESS
 from ncgear.drawings.plots import canvas
 from ncgear.figures.compared import compared_csv, compared_figures, points_csv
-from ncgear.figures.csv_text import outline_csv
 from ncgear.figures.numbers import MICRORAD, json_text, micrometres
+from ncgear.figures.tables import outline_csv
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import as_points
 from ncgear.project.compared import ComparedGear, ComparedPair
@@ -74,21 +73,10 @@ def _draw_gear(made: Figure, one: ComparedGear, worst_mm: float) -> None:
         axes.plot(*line.T, color=canvas.INK, linewidth=0.6)
     axes.plot([0.0], [0.0], "+", color=canvas.INK, markersize=9)
     _number(axes, one, module)
-    axes.set_xlim(middle[0] - size, middle[0] + size)
-    axes.set_ylim(middle[1] - size, middle[1] + size)
-    axes.set_aspect("equal")
-    axes.set_axis_off()
-    bar = made.colorbar(
-        ScalarMappable(Normalize(-1e3 * worst_mm, 1e3 * worst_mm), EXCESS_SCALE),
-        cax=made.add_axes((0.25, 0.318, 0.5, 0.013)),
-        orientation="horizontal",
-    )
-    bar.ax.tick_params(labelsize=canvas.SMALL, colors=canvas.INK)
-    bar.set_label(
-        f"deviation in \u00b5m, drawn {factor:g} times as long (right: metal in excess)",
-        size=canvas.NORMAL,
-        color=canvas.INK,
-    )
+    canvas.look_at(axes, (middle[0] - size, middle[1] - size, 2.0 * size, 2.0 * size))
+    said = f"deviation in \u00b5m, drawn {factor:g} times as long (right: metal in excess)"
+    in_um = Normalize(-1e3 * worst_mm, 1e3 * worst_mm)
+    canvas.color_bar(made, in_um, EXCESS_SCALE, (0.25, 0.318, 0.5, 0.013), said)
 
 
 def _round_factor(factor: float) -> float:
@@ -111,11 +99,9 @@ def _number(axes: Axes, one: ComparedGear, module_mm: float) -> None:
     flanks, teeth = one.outline.gear.flanks, one.deviations.flanks.teeth
     middle = flanks.crossing_mm.reshape(-1, 2)[:teeth].mean(axis=1)
     places, _ = flanks.offset(middle, (1.0 - BELOW_IN_MODULES) * module_mm)
-    for number, (x, y) in enumerate(places, 1):
+    for number, place in enumerate(places, 1):
         if teeth < MANY_TEETH or number % 5 == 0:
-            axes.text(
-                float(x), float(y), str(number), size=canvas.SMALL - 1.0, color=canvas.INK, ha="center", va="center"
-            )
+            canvas.number(axes, place, str(number))
 
 
 def _draw_bars(axes: Axes, one: ComparedGear) -> None:

@@ -130,8 +130,7 @@ def _outline_of_body(data: bytes, plan: BodyPlan, helical: bool) -> Array:
 
 def outline_of_csv(data: bytes) -> Array:
     """The outline in a table of points with one line of headings, in mm, shape (n, 2)."""
-    points: Array = np.loadtxt(StringIO(data.decode()), delimiter=",", skiprows=1, ndmin=2)
-    return points
+    return np.loadtxt(StringIO(data.decode()), delimiter=",", skiprows=1, ndmin=2)
 
 
 def outline_of_stl(data: bytes, height_mm: float, *, hole: bool = False) -> Array:

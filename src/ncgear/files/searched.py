@@ -96,8 +96,7 @@ def outline_picture(found: OutlineFit, name: str) -> bytes:
         to_pair = follower.scale * np.array([[cos(turn), sin(turn)], [-sin(turn), cos(turn)]])
 
         def placed(points: Array) -> Array:
-            there: Array = other + (points - follower.axis_mm) @ to_pair
-            return there
+            return other + (points - follower.axis_mm) @ to_pair
 
         outlines.append(placed(follower.outline.corners))
         greatest.append(placed(np.array([follower.deviation.at_mm, follower.deviation.toward_mm])))

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from matplotlib.axes import Axes
 
+from ncgear.drawings.charts.chart import Quantity, motion_chart
 from ncgear.drawings.charts.drawer import COLUMN_IN, CONTACT_COLUMN, DASHED, align, angle_scale
-from ncgear.drawings.charts.slider_charts import Quantity, motion_chart
 from ncgear.drawings.plots import canvas
 from ncgear.drawings.plots.canvas import Style
-from ncgear.figures.csv_text import rows_text
 from ncgear.figures.numbers import json_text
 from ncgear.figures.side_by_side import SideBySide, side_by_side_columns, side_by_side_figures
+from ncgear.figures.tables import rows_text
 
 CHARTS = (Quantity.DISPLACEMENT, Quantity.VELOCITY, Quantity.ACCELERATION, Quantity.POWER)
 

@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 
 from ncgear.design.words import ORDINALS
-from ncgear.drawings.charts.chart import EMPTY, NO_STRETCHES, Chart, ChartLine, Role, joints_up_to
+from ncgear.drawings.charts.chart import EMPTY, MOTION, NO_STRETCHES, Chart, ChartLine, Role, joints_up_to
 from ncgear.drawings.charts.drawer import LOAD_LOOK, SIMULATION_COLUMN, TIME_LOOK, Look, column_png
-from ncgear.drawings.charts.slider_charts import MOTION
 from ncgear.drawings.pictures import titled
 from ncgear.dynamics.history import PER_TURN, History, even_times_s, history, partings_s
 from ncgear.dynamics.level import Level
@@ -21,7 +20,6 @@ from ncgear.figures.advice.drivetrain_advice import SMOOTH_GUIDE
 from ncgear.figures.advice.strength_advice import pressed_in_time
 from ncgear.figures.advice.teeth_advice import parted_in_time
 from ncgear.figures.advice.verdict import KnownParts, Verdict, judged
-from ncgear.figures.csv_text import csv_text
 from ncgear.figures.drivetrain import drivetrain_figures
 from ncgear.figures.numbers import MICRORAD, json_text
 from ncgear.figures.simulated import (
@@ -33,6 +31,7 @@ from ncgear.figures.simulated import (
     rigid_table,
 )
 from ncgear.figures.summary.check_summary import verdict_summary
+from ncgear.figures.tables import csv_text
 from ncgear.frozen import dataclass
 from ncgear.kinematics.check import both_sides_rad
 from ncgear.mechanisms.mechanism import Output
@@ -115,8 +114,7 @@ def _load_chart(drive: Drive, name: str, unit: str, own: Array, uniform: Array) 
 
 
 def _size(force: Vector) -> Array:
-    size: Array = (force.x.value**2 + force.y.value**2) ** 0.5
-    return size
+    return (force.x.value**2 + force.y.value**2) ** 0.5
 
 
 def teeth_under_load(drive: Drive, rigid_n_m: Array) -> list[Chart]:

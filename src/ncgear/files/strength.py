@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
 from matplotlib.collections import PolyCollection
 from matplotlib.colorbar import Colorbar
 from matplotlib.colors import Colormap, LinearSegmentedColormap, LogNorm, Normalize
@@ -122,10 +121,7 @@ class PairPicture:
         made = canvas.figure(width, height, title)
         axes = made.add_axes((0.0, 1.05 / height, 1.0, 1.0 - REST_IN / height))
         axes.plot([0.0, pair.center_distance_mm], [0.0, 0.0], "+", color=canvas.INK, markersize=9, zorder=5.0)
-        axes.set_xlim(left, right)
-        axes.set_ylim(-top, top)
-        axes.set_aspect("equal")
-        axes.set_axis_off()
+        canvas.look_at(axes, (left, -top, right - left, 2.0 * top))
         return cls(made, axes, pair, height, max((right - left) / width, 2.0 * top / (height - REST_IN)))
 
     def body(
@@ -139,15 +135,8 @@ class PairPicture:
 
     def with_scale(self, norm: Normalize, scale: Colormap, label: str) -> Colorbar:
         """The scale of colours below the gears."""
-        bar = self.made.colorbar(
-            ScalarMappable(norm, scale),
-            cax=self.made.add_axes((0.2, 0.62 / self.height_in, 0.6, 0.16 / self.height_in)),
-            orientation="horizontal",
-            extend="both" if isinstance(norm, LogNorm) else "max",
-        )
-        bar.ax.tick_params(labelsize=canvas.SMALL, colors=canvas.INK)
-        bar.set_label(label, size=canvas.NORMAL, color=canvas.INK)
-        return bar
+        box, ends = (0.2, 0.62 / self.height_in, 0.6, 0.16 / self.height_in), isinstance(norm, LogNorm)
+        return canvas.color_bar(self.made, norm, scale, box, label, extend="both" if ends else "max")
 
 
 def _draw(
@@ -174,18 +163,8 @@ def _draw(
             inwards = np.sign(signed_area(tooth)) * np.array([down, -back]) / np.hypot(back, down)
             place = root + BELOW_IN * view.mm_per_in * inwards
             box = {"boxstyle": "circle,pad=0.15", "facecolor": "white", "edgecolor": canvas.INK, "linewidth": 1.0}
-            view.axes.text(
-                float(place[0]),
-                float(place[1]),
-                str(number),
-                size=canvas.SMALL - 1.0,
-                color=canvas.INK,
-                ha="center",
-                va="center",
-                weight="bold" if named else "normal",
-                bbox=box if named else None,
-                zorder=4.0,
-            )
+            style: canvas.Style = {"weight": "bold", "bbox": box} if named else {}
+            canvas.number(view.axes, place, str(number), zorder=4.0, **style)
 
 
 NEAR_MODULES = 3.0

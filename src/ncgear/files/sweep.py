@@ -16,8 +16,7 @@ from ncgear.design.reading.text import whole
 from ncgear.design.rewritten import design_copy
 from ncgear.drawings.plots import canvas
 from ncgear.drawings.plots.canvas import Style
-from ncgear.figures.numbers import json_text, to_digits
-from ncgear.figures.quantities import name_of
+from ncgear.figures.numbers import json_text, name_of, to_digits
 from ncgear.figures.sweep import effects_csv, front_csv, values_of
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
@@ -245,8 +244,7 @@ def _chosen(front: Designs, costs: Array) -> IndexArray:
     """Rows of the front, evenly along it in the order of the first objective, with both ends."""
     order = np.lexsort((front.numbers, *costs.T[::-1]))
     places = np.linspace(0, len(order) - 1, min(DESIGNS, len(order))).round().astype(int)
-    rows: IndexArray = order[np.unique(places)]
-    return rows
+    return order[np.unique(places)]
 
 
 def _head(name: str) -> str:

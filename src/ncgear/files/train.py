@@ -13,11 +13,11 @@ from shapely import Polygon
 from ncgear.drawings.palette import LIGHT
 from ncgear.drawings.solid_pair import METRE_PER_MM, SURFACE, Y_UP, linear_light
 from ncgear.errors import Unanswered
-from ncgear.figures.csv_text import csv_text, outline_csv
 from ncgear.figures.numbers import json_text
+from ncgear.figures.tables import csv_text, outline_csv
 from ncgear.figures.trains import contact_figures, judged_contacts, poses_figures, train_figures
 from ncgear.files.read_back import outline_of_csv, stl_bytes
-from ncgear.files.workshop.turning import moving
+from ncgear.files.workshop.solid_files import moving
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.plane import as_complex, as_points

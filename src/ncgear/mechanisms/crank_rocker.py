@@ -165,8 +165,7 @@ class CrankRockers(Mechanisms[Number]):
         gone = np.sin(0.5 * displacement_mm) * np.sin(near + 0.5 * displacement_mm)
         left = np.sin(0.5 * remaining_mm) * np.sin(near + self.stroke_mm - 0.5 * remaining_mm)
         sine_side, cosine_side = np.sqrt(gone) * (distance + self._far_mm), np.sqrt(left) * (distance + self._near_mm)
-        angle: Array = 2.0 * (np.arctan2(sine_side, cosine_side) + self._half_tilt(displacement_mm))
-        return angle
+        return 2.0 * (np.arctan2(sine_side, cosine_side) + self._half_tilt(displacement_mm))
 
     def regular_slope(self, displacement: Jet, root: Jet) -> Jet:
         """The slope of w, which the law of cosines gives as in a crank-slider, and that of s, times the root.
@@ -195,8 +194,7 @@ class CrankRockers(Mechanisms[Number]):
         dx, dy = moved * np.sin(half + near), moved * np.cos(half + near)
         distance = np.sqrt(self._square(np.sin(half + 0.5 * near)))
         facing = distance * self._near_mm + dx * x + dy * y + self._near_mm**2
-        tilt: Array = np.arctan((dx * y - dy * x) / facing) * self.side
-        return tilt
+        return np.arctan((dx * y - dy * x) / facing) * self.side
 
 
 def _sinc(argument: Jet) -> Jet:

@@ -99,8 +99,7 @@ class CrankSliders(Mechanisms[Number]):
         ratio = (position + self.nearest_mm) / (position + self.farthest_mm)
         stretch = (distance + (self.rod_mm + self.crank_mm)) / (distance + (self.rod_mm - self.crank_mm))
         tilt = np.arctan(displacement_mm * self.offset_mm / (position * self.nearest_mm + self.offset_mm**2))
-        angle: Array = 2.0 * np.arctan2(np.sqrt(displacement_mm * ratio) * stretch, np.sqrt(remaining_mm)) + tilt
-        return angle
+        return 2.0 * np.arctan2(np.sqrt(displacement_mm * ratio) * stretch, np.sqrt(remaining_mm)) + tilt
 
     def regular_slope(self, displacement: Jet, root: Jet) -> Jet:
         """p (d^2 + l3^2 - l2^2)/(d^2 ((p + near)(p + far))^(1/2)) + e root/d^2, with p the place and d^2 = p^2 + e^2.

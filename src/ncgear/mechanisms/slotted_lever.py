@@ -136,8 +136,7 @@ class SlottedLevers(Mechanisms[Number]):
     def _lever_angle(self, displacement_mm: Array) -> Array:
         """chi in rad at a displacement: tan(chi/2) = (sin + sin(psi))/(cos + cos(psi)) of the lever's angle."""
         cosine = np.sqrt(self._square_cosine(displacement_mm))
-        angle: Array = 2.0 * np.arctan(displacement_mm / self.lever_mm / (cosine + self._foot_mm / self.pivot_mm))
-        return angle
+        return 2.0 * np.arctan(displacement_mm / self.lever_mm / (cosine + self._foot_mm / self.pivot_mm))
 
 
 @dataclass(frozen=True)

@@ -73,8 +73,7 @@ class RationalSpline:
         count = len(spans) - 1
         at = np.interp(np.linspace(0.0, count, count * per_span + 1), np.arange(count + 1), spans)
         weighted = BSpline(self.knots, np.hstack([self.points * weights, weights]), self.degree)(at)
-        found: Array = weighted[:, :2] / weighted[:, 2:]
-        return found
+        return weighted[:, :2] / weighted[:, 2:]
 
     def smooth_parts(self) -> list[Spans]:
         """The spans, cut at the knots at which the second derivative may jump."""

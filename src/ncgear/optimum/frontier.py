@@ -11,13 +11,7 @@ import numpy as np
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.numerics.units import RAD_S_PER_RPM
-from ncgear.optimum.certified.limit import (
-    Bound,
-    least_acceleration,
-    least_acceleration_roughly,
-    least_power,
-    problem_of,
-)
+from ncgear.optimum.certified import limit
 from ncgear.optimum.makeable.demanded import demands_of, knows_loads, start_motion
 from ncgear.optimum.makeable.wishes import Goal, Wishes
 from ncgear.optimum.task import Figures, Task, figures
@@ -77,18 +71,18 @@ def limit_points(task: Task, wishes: Wishes, most_w: float) -> list[tuple[float,
     if not knows_loads(task, wishes):
         return []
     free = replace(demands_of(task, _free(wishes, Goal.ACCELERATION)), power_w=inf, acceleration_mm_s2=inf)
-    least_w = WITHIN_REACH * least_power(task, free, proven=False).value
+    least_w = WITHIN_REACH * limit.least_power(task, free, proven=False).value
     if not 0.0 < least_w < most_w:
         return []
-    caps, problem = np.geomspace(least_w, most_w, LIMIT_POINTS).tolist(), problem_of(task, free)
-    return [(cap, least_acceleration_roughly(problem.under(power_w=cap))) for cap in caps]
+    caps, problem = np.geomspace(least_w, most_w, LIMIT_POINTS).tolist(), limit.problem_of(task, free)
+    return [(cap, limit.least_acceleration_roughly(problem.under(power_w=cap))) for cap in caps]
 
 
 def law_point(task: Task, wishes: Wishes, cap_w: float) -> LawPoint:
     """One point of the limit and of the makeable laws; raises NoSuchMechanism where no law is found."""
     free = _free(wishes, Goal.ACCELERATION)
     capped = replace(free, limits=replace(free.limits, peak_power_w=cap_w))
-    bound = least_acceleration(task, demands_of(task, capped))
+    bound = limit.least_acceleration(task, demands_of(task, capped))
     return LawPoint(cap_w, bound.value, _best_figures(task, capped, bound))
 
 
@@ -128,7 +122,7 @@ def motion_of(best: FamilyOptimum) -> dict[str, Any]:
     }
 
 
-def _best_figures(task: Task, wishes: Wishes, bound: Bound | None = None) -> Figures:
+def _best_figures(task: Task, wishes: Wishes, bound: limit.Bound | None = None) -> Figures:
     from ncgear.optimum.makeable.law import makeable_law
 
     law = makeable_law(task, wishes, start_motion(task, wishes, bound))

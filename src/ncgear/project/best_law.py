@@ -20,15 +20,8 @@ from ncgear.optimum.flywheels import FlywheelSearch, least_with_any, mean_inerti
 from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.offers import Refused
 from ncgear.optimum.task import Figures, Task, figures
+from ncgear.project import law_task
 from ncgear.project.free_lengths import BestLengths, best_lengths
-from ncgear.project.law_task import (
-    SoughtMachine,
-    inertia_as_given,
-    inertia_with,
-    task_of,
-    wishes_of,
-    with_driven_flywheel,
-)
 from ncgear.project.moving import TrainInertia
 from ncgear.ratio.transmission import PairsInSeries
 from ncgear.shown import Shown
@@ -64,7 +57,7 @@ class BestFlywheel:
     least_with_any: float | None = None
 
 
-class BestLaw(SoughtMachine, Shown):
+class BestLaw(law_task.SoughtMachine, Shown):
     """A design's machine with the best law that its wishes allow.
 
     Every attribute may raise WrongInput for wishes that contradict each other or the design, and NoSuchMechanism where
@@ -105,8 +98,8 @@ class BestLaw(SoughtMachine, Shown):
         if asked is None:
             return None
         require("casadi", "optimize", "ncgear optimize")
-        bare = with_driven_flywheel(design, 0.0)
-        task, wishes = task_of(bare, inertia_as_given(bare)), wishes_of(bare)
+        bare = law_task.with_driven_flywheel(design, 0.0)
+        task, wishes = law_task.task_of(bare, law_task.inertia_as_given(bare)), law_task.wishes_of(bare)
         search = FlywheelSearch(task, wishes, self._on_flywheel_law)
         try:
             best = search.best(asked.least, asked.most)
@@ -126,7 +119,7 @@ class BestLaw(SoughtMachine, Shown):
         begun = self._flywheel_of(self.given)
         if begun is None:
             return best_lengths(self.given, None, self._on_length_law)
-        given = with_driven_flywheel(self.given, begun.inertia_kg_mm2)
+        given = law_task.with_driven_flywheel(self.given, begun.inertia_kg_mm2)
         return best_lengths(given, begun.motion, self._on_length_law)
 
     @property
@@ -138,12 +131,12 @@ class BestLaw(SoughtMachine, Shown):
     def design(self) -> Design:
         """The design with the best lengths and the best flywheel, if it asks for them."""
         chosen = self.flywheel
-        return self._linked if chosen is None else with_driven_flywheel(self._linked, chosen.inertia_kg_mm2)
+        return self._linked if chosen is None else law_task.with_driven_flywheel(self._linked, chosen.inertia_kg_mm2)
 
     @cached_property
     def wishes(self) -> Wishes:
         """Goal and limits with the chosen mechanism."""
-        return wishes_of(self._linked)
+        return law_task.wishes_of(self._linked)
 
     @cached_property
     def begun(self) -> Begun:
@@ -152,7 +145,7 @@ class BestLaw(SoughtMachine, Shown):
         If no law keeps the limits with these gears, other laws have other gears.  The gears of the law that comes
         nearest are tried until they settle, and only then the limits are refused.
         """
-        inertia = inertia_as_given(self.design)
+        inertia = law_task.inertia_as_given(self.design)
         for _ in range(MOST_ROUNDS):
             try:
                 return self._begun_with(inertia)
@@ -166,7 +159,7 @@ class BestLaw(SoughtMachine, Shown):
     def _begun_with(self, inertia: TrainInertia) -> Begun:
         from ncgear.optimum.makeable.demanded import start_motion
 
-        task = task_of(self.design, inertia)
+        task = law_task.task_of(self.design, inertia)
         bound = self._bound_of(task)
         with self._offering(task):
             return Begun(inertia, task, bound, self.known_motion or start_motion(task, self.wishes, bound))
@@ -186,9 +179,9 @@ class BestLaw(SoughtMachine, Shown):
             return None
         from ncgear.optimum.makeable.law import nearest_law
 
-        task = task_of(self.design, used)
+        task = law_task.task_of(self.design, used)
         try:
-            made = inertia_with(self.design, motion_keys(nearest_law(task, self.wishes)))
+            made = law_task.inertia_with(self.design, motion_keys(nearest_law(task, self.wishes)))
         except DesignError:
             return None
         return made if _change(task, used, made) > SETTLED else None
@@ -278,11 +271,11 @@ class BestLaw(SoughtMachine, Shown):
         if design.masses is None:
             return Settled(law, task)
         for _ in range(MOST_ROUNDS):
-            made = inertia_with(design, motion_keys(law))
+            made = law_task.inertia_with(design, motion_keys(law))
             change = _change(task, inertia, made)
             if not change:
                 return Settled(law, task)
-            inertia, task = made, task_of(design, made)
+            inertia, task = made, law_task.task_of(design, made)
             if change <= SETTLED:
                 return Settled(law, task)
             with self._offering(task):
@@ -421,5 +414,5 @@ def _found_from(design: Design, inertia: TrainInertia, start: Motion, number: in
     """The law from another start, computed in a separate process; None where none is found."""
     from ncgear.optimum.makeable.law import law_from
 
-    law = law_from(task_of(design, inertia), wishes_of(design), start, number)
+    law = law_from(law_task.task_of(design, inertia), law_task.wishes_of(design), start, number)
     return None if law is None else _Found(law.ratio, law.second, law.reached)

@@ -1,7 +1,7 @@
 """The figures of a pair of gears: one list, by keys that end in their units.
 
 Whoever tells a figure takes it from here by its key: summary, data sheet, answers, pages, notebooks and sweeps.  Its
-name and its digits stand in ``figures/quantities.py``.
+name and its digits stand in ``figures/numbers.py``.
 """
 
 from __future__ import annotations

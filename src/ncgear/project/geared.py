@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ncgear.design.keys.base import listed
 from ncgear.design.keys.gears import Gears
 from ncgear.design.keys.machine import FINEST_IN_MODULES
 from ncgear.design.mechanisms import entry_of
+from ncgear.design.words import listed
 from ncgear.errors import DesignError, WrongInput
 from ncgear.kinematics.check import KinematicCheck, at_speed, both_sides_rad, kinematic_check, load_extremes_rad
 from ncgear.kinematics.motion import Machine, OutputMotion, sample_angles

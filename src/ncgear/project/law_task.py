@@ -22,15 +22,7 @@ from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum import task
 from ncgear.optimum.makeable.wishes import ALONE, CurvatureWish, Goal, TwoStages, Wishes
 from ncgear.optimum.task import Figures, Task, figures
-from ncgear.project.law import (
-    keeps_even_speed,
-    kept_size,
-    law_of,
-    load_of,
-    lobes_of,
-    motion_wishes_of,
-    require_whole_turns,
-)
+from ncgear.project import law
 from ncgear.project.moving import TrainInertia, masses_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import PairsInSeries, single
@@ -48,7 +40,7 @@ def task_of(design: Design, gears: TrainInertia) -> task.Task:
     Raises WrongInput for gears that turn less than once, for a mechanism whose output never returns (limits and laws of
     strokes know dead centres), and where friction in the guide would change limited figures.
     """
-    require_whole_turns(design, "the search for a best law")
+    law.require_whole_turns(design, "the search for a best law")
     if design.gears is not None and design.gears.pairs > 1:
         # The limits would be those of one pair with the law
         raise WrongInput(
@@ -63,9 +55,9 @@ def task_of(design: Design, gears: TrainInertia) -> task.Task:
     _refuse_guide_friction(design)
     return task.Task(
         linkage,
-        load_of(design),
+        law.load_of(design),
         design.operation.speed_rpm * RAD_S_PER_RPM,
-        lobes_of(design),
+        law.lobes_of(design),
         masses=_masses_of(design, gears),
         gears=_size_of(design, limits),
         speed_fluctuation=(given.flywheel if given else Flywheel()).speed_fluctuation,
@@ -128,7 +120,7 @@ def drive_with(design: Design, motion: LawKeys) -> Drive:
 
     gears = design.gears
     if gears is not None:
-        gears = gears.model_copy(update=dict(zip(SIZES, kept_size(design), strict=True)))
+        gears = gears.model_copy(update=dict(zip(SIZES, law.kept_size(design), strict=True)))
     return Drive(design.model_copy(update={"motion": motion, "gears": gears}))
 
 
@@ -175,7 +167,7 @@ def _size_of(design: Design, limits: Limits) -> task.GearSize | None:
             raise WrongInput(problem, key=key)
     if gears is None or gears.mesh == "internal":
         return None
-    return task.GearSize(*kept_size(design), *map(radians, gears.rack.angles_deg))
+    return task.GearSize(*law.kept_size(design), *map(radians, gears.rack.angles_deg))
 
 
 def _prices(asked: Optimize) -> task.Prices:
@@ -223,7 +215,7 @@ def wishes_of(design: Design) -> Wishes:
         curvature_given=curvature.given,
         knots=asked.knots,
         two_stages=TwoStages(tangent_rad) if shared else None,
-        motion=motion_wishes_of(design, mechanism_of(design.linkage), lobes_of(design).driving_period_rad),
+        motion=law.motion_wishes_of(design, mechanism_of(design.linkage), law.lobes_of(design).driving_period_rad),
     )
 
 
@@ -327,7 +319,7 @@ class SoughtMachine(ABC):
     @property
     def not_kept(self) -> str:
         """Motion that the design's own law prescribes but no wish asks for, in words; empty where there is none."""
-        return "" if keeps_even_speed(self.design) else self.design.motion.prescribed
+        return "" if law.keeps_even_speed(self.design) else self.design.motion.prescribed
 
     @property
     def soft(self) -> bool:
@@ -348,7 +340,7 @@ class SoughtMachine(ABC):
     def given_figures(self) -> Figures | None:
         """Exact figures of the design's own law and gears at the same speed; None where that law cannot be made."""
         try:
-            return figures(task_of(self.given, inertia_as_given(self.given)), law_of(self.given).train)
+            return figures(task_of(self.given, inertia_as_given(self.given)), law.law_of(self.given).train)
         except DesignError:
             return None
 

@@ -26,16 +26,7 @@ from ncgear.numerics import jet
 from ncgear.numerics.jet import Jet
 from ncgear.pitch import shape
 from ncgear.pitch.shape import Gear, Mesh
-from ncgear.project.alternatives import (
-    Changes,
-    changed_drive,
-    changed_gears,
-    fitted_root_radius,
-    is_accepted,
-    rack_at,
-    resized,
-    shifted_against_undercut,
-)
+from ncgear.project import alternatives
 from ncgear.project.drive import Drive
 from ncgear.project.finer import FINER_STEP, MOST_FINER, fewest, require_made
 from ncgear.project.tooth_form import require_pushing_flanks
@@ -127,7 +118,7 @@ class MendingWay:
     """A change of one kind or of several kinds, as keys of the design file."""
 
     kinds: tuple[MendingSubject, ...]
-    changes: Changes
+    changes: alternatives.Changes
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,7 +191,7 @@ def refusal_of_teeth(drive: Drive) -> DesignError | None:
     except NoSuchMechanism as error:
         return error
     except WrongInput as error:
-        fitted = fitted_root_radius(drive.gears, min(drive.gears.rack.angles_deg))
+        fitted = alternatives.fitted_root_radius(drive.gears, min(drive.gears.rack.angles_deg))
         if error.key not in BACKLASH and (error.key != ROOT_RADIUS or not fitted):
             raise
         return error
@@ -275,7 +266,7 @@ class _Trials:
         each, low = pair.transmission.lobes.teeth_step, pair.pitch.size.driving_teeth
 
         def does(teeth: int) -> bool | None:
-            way = MendingWay((MendingSubject.FINER,), fitted | resized(pair, teeth))
+            way = MendingWay((MendingSubject.FINER,), fitted | alternatives.resized(pair, teeth))
             mend = self.best((way,))
             if mend is not None:
                 mends[teeth] = mend
@@ -302,7 +293,7 @@ class _Trials:
 
     def _sound(self, way: MendingWay, share: float) -> Mend | None:
         """The way, if teeth are sound with it; raises TimeIsOver."""
-        changed = changed_drive(self._drive, way.changes)
+        changed = alternatives.changed_drive(self._drive, way.changes)
         with self._in_time(share):
             for pair in changed.by_stage:
                 pair.require_sound_teeth()
@@ -343,7 +334,7 @@ def ways(drive: Drive) -> Iterator[tuple[MendingWay, ...]]:
     for kinds in ORDER:
         options = [_options(drive, kind, alone=len(kinds) == 1) for kind in kinds]
         changes = (reduce(or_, chosen, fitted) for chosen in product(*options))
-        found = [MendingWay(kinds, one) for one in changes if is_accepted(drive.design, one)]
+        found = [MendingWay(kinds, one) for one in changes if alternatives.is_accepted(drive.design, one)]
         if MendingSubject.FINER in kinds:
             # Fewer teeth are the lesser change.
             yield from ((way,) for way in found)
@@ -351,12 +342,12 @@ def ways(drive: Drive) -> Iterator[tuple[MendingWay, ...]]:
             yield tuple(found)
 
 
-def _fitted(drive: Drive) -> Changes:
+def _fitted(drive: Drive) -> alternatives.Changes:
     """The root radius that fits; empty where the design's root radius fits."""
-    return fitted_root_radius(drive.gears, min(drive.gears.rack.angles_deg))
+    return alternatives.fitted_root_radius(drive.gears, min(drive.gears.rack.angles_deg))
 
 
-def _options(drive: Drive, kind: MendingSubject, *, alone: bool) -> list[Changes]:
+def _options(drive: Drive, kind: MendingSubject, *, alone: bool) -> list[alternatives.Changes]:
     """The changes of one kind; together with changes of other kinds only the most promising."""
     gears = drive.gears
     match kind:
@@ -368,10 +359,12 @@ def _options(drive: Drive, kind: MendingSubject, *, alone: bool) -> list[Changes
         case MendingSubject.MATE:
             return _mate(drive)
         case MendingSubject.STEEPER:
-            steeper = [rack_at(gears, angle) for angle in STEEPER_DEG if angle > gears.rack.pressure_angle_deg]
+            steeper = [
+                alternatives.rack_at(gears, angle) for angle in STEEPER_DEG if angle > gears.rack.pressure_angle_deg
+            ]
             return steeper if alone else steeper[-1:]
         case MendingSubject.STEEPEST:
-            return [rack_at(gears, STEEPEST_DEG)] if gears.rack.pressure_angle_deg < STEEPEST_DEG else []
+            return [alternatives.rack_at(gears, STEEPEST_DEG)] if gears.rack.pressure_angle_deg < STEEPEST_DEG else []
         case MendingSubject.SHIFTED:
             shifted = _shifted(drive)
             return shifted if alone else shifted[:1]
@@ -382,7 +375,7 @@ def _options(drive: Drive, kind: MendingSubject, *, alone: bool) -> list[Changes
     assert_never(kind)
 
 
-def _mate(drive: Drive) -> list[Changes]:
+def _mate(drive: Drive) -> list[alternatives.Changes]:
     """The mate as the tool; empty where it is the tool already."""
     from ncgear.teeth.tool import least_concave_radius_mm
 
@@ -390,28 +383,28 @@ def _mate(drive: Drive) -> list[Changes]:
     by_itself = cutter.kind == "auto" and all(least_concave_radius_mm(pair.pitch) for pair in drive.by_stage)
     if cutter.kind == "mate" or by_itself:
         return []
-    dropped: Changes = {} if cutter.teeth is None else {"gears.cutter.teeth": None}
+    dropped: alternatives.Changes = {} if cutter.teeth is None else {"gears.cutter.teeth": None}
     return [{"gears.cutter.kind": "mate", **dropped}]
 
 
-def _shifted(drive: Drive) -> list[Changes]:
+def _shifted(drive: Drive) -> list[alternatives.Changes]:
     """Equal and opposite profile shifts: the shift chosen against undercut or, if the design has it, two others."""
     from ncgear.teeth.gear import shift_against_undercut
 
     given = drive.gears.profile_shift
-    gears = changed_gears(drive.gears, _fitted(drive))
+    gears = alternatives.changed_gears(drive.gears, _fitted(drive))
     own = given.driving if given.driving is not None else -(given.driven or 0.0)
     sizes = [(pair.pitch, pair.pitch.size.module_mm) for pair in drive.by_stage]
     best = [shift_against_undercut(pitch, gears.rack.in_mm(module)) / module for pitch, module in sizes]
     if not given.against_undercut and any(abs(modules - own) > SAME_SHIFT for modules in best):
-        return [shifted_against_undercut(drive.gears)]
-    dropped: Changes = {f"gears.profile_shift.{key}": None for key in given.model_fields_set}
+        return [alternatives.shifted_against_undercut(drive.gears)]
+    dropped: alternatives.Changes = {f"gears.profile_shift.{key}": None for key in given.model_fields_set}
     return [dropped | {"gears.profile_shift.driving": modules} for modules in SHIFTED_MODULES if modules != own]
 
 
-def _finer(drive: Drive) -> list[Changes]:
+def _finer(drive: Drive) -> list[alternatives.Changes]:
     """More teeth of a smaller module at the same centre distance; whole numbers on both gears."""
     pair, lobes = drive.by_stage[0], drive.gears.lobes.driving
     teeth = pair.pitch.size.driving_teeth
     counts = dict.fromkeys(ceil(factor * teeth / lobes) * lobes for factor in FINER_TOGETHER)
-    return [resized(pair, count) for count in counts if teeth < count <= MOST_TEETH]
+    return [alternatives.resized(pair, count) for count in counts if teeth < count <= MOST_TEETH]

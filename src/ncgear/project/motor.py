@@ -10,10 +10,10 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from math import cos, inf, pi, radians
 
-from ncgear.design.keys.base import listed
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.drivetrain import DrivetrainMotor
 from ncgear.design.keys.masses import Motor as LineKeys
+from ncgear.design.words import listed
 from ncgear.drivetrain.cycle import Cycle, cycle_of, rubbing
 from ncgear.drivetrain.losses import Demand, losses_of, most_mesh_loss_factor
 from ncgear.drivetrain.motor import Gearbox, MotorLoad, Stall, StraightLine, motor_load, stall_of

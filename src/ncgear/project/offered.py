@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
-from ncgear.design.keys.base import spellings
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.optimize import Optimize
+from ncgear.design.words import spellings
 from ncgear.errors import DesignError
 from ncgear.extras import installed
 from ncgear.frozen import dataclass

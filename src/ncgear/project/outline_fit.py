@@ -37,19 +37,9 @@ from ncgear.optimum.outline.outline import Outline, outline_of
 from ncgear.optimum.outline.programme import MateWanted, OutlineAim, missed
 from ncgear.optimum.outline.rolled import Rolled, SplineBasis
 from ncgear.pitch.shape import Gear
+from ncgear.project import outline_trial
 from ncgear.project.drive import Drive
 from ncgear.project.finer import require_made
-from ncgear.project.outline_trial import (
-    STUBBORN,
-    Made,
-    between,
-    drawn_in,
-    gears_of,
-    given_gear,
-    judged,
-    made_pair,
-    most_lacking,
-)
 
 TRIALS, NEARER = 10, 3
 """Most pairs that are made until one is accepted, and how many more are tried between it and the last refused pair if
@@ -135,7 +125,7 @@ class OutlineFit:
     @property
     def given_gear(self) -> Gear:
         """The gear whose pitch curve is drawn."""
-        return given_gear(self.motion)
+        return outline_trial.given_gear(self.motion)
 
     @property
     def contact_ratio(self) -> float:
@@ -225,7 +215,7 @@ def fitted(design: Design, on_trial: OnTrial = lambda done, most: None) -> Outli
     Raises WrongInput for a design without outline or size, or with several lobes, and for a fixed axis outside;
     NoSuchMechanism where no pair near the outline can be made.
     """
-    gears = gears_of(design)
+    gears = outline_trial.gears_of(design)
     asked = design.outline
     outline, axis = _outline_and_axis(design.motion, asked is not None and asked.axis == "fixed", "outline.axis")
     wanted = OutlineAim(asked is not None and asked.criterion == "greatest", axis is not None, mate=_mate_wanted(asked))
@@ -277,7 +267,7 @@ def _mate_wanted(asked: FollowedOutline | None) -> MateWanted | None:
     return MateWanted(outline, asked.mate.weight, axis, asked.mate.size == "fixed")
 
 
-def _mate_fit(made: Made, wanted: MateWanted | None) -> MateFit | None:
+def _mate_fit(made: outline_trial.Made, wanted: MateWanted | None) -> MateFit | None:
     curve, place = made.curve, made.curve.mate_place
     if wanted is None or place is None:
         return None
@@ -310,55 +300,55 @@ class _Search:
 
     def with_module(self) -> Rolled:
         """A near curve for the whole number of teeth that comes nearest to the design's module."""
-        gears = gears_of(self.design)
+        gears = outline_trial.gears_of(self.design)
         assert gears.module_mm is not None
         pitch = pi * gears.module_mm
         about = max(round(self.outline.hull_length_mm / pitch), FEWEST_TEETH)
         free = nearest_curve(self.outline, about, self.limits, self.wanted, self.axis_mm)
         return _with_teeth(free, max(round(free.length_mm / pitch), FEWEST_TEETH))
 
-    def best(self, teeth: int, start: Rolled | None, on_trial: OnTrial) -> Made:
+    def best(self, teeth: int, start: Rolled | None, on_trial: OnTrial) -> outline_trial.Made:
         """The nearest of the pairs that were made; raises NoSuchMechanism where all pairs are refused."""
         limits, curve, left = self.limits, start, TRIALS
-        good = list[Made]()
+        good = list[outline_trial.Made]()
         refused, written_refused = None, False
         for trial in range(TRIALS + NEARER):
             on_trial(trial, TRIALS + NEARER)
             curve = nearest_curve(self.outline, teeth, limits, self.wanted, self.axis_mm, curve)
-            made = made_pair(self.design, curve, limits)
+            made = outline_trial.made_pair(self.design, curve, limits)
             left -= 1
             if made.refusal is not None:
                 refused = made
             elif not good:
-                good, left = [made], NEARER if trial < STUBBORN else 1
+                good, left = [made], NEARER if trial < outline_trial.STUBBORN else 1
             elif self._away_mm(made) < self._away_mm(good[-1]):
                 good.append(made)
             near = good and refused is not None and self._away_mm(good[-1]) < (1 + WORTH) * self._away_mm(refused)
             if near or left == 0:
                 # Written outlines hardly ever refuse sound exact teeth, and take as long as these.
                 while good:
-                    made = judged(good.pop(), lambda one: require_made(one.drive))
+                    made = outline_trial.judged(good.pop(), lambda one: require_made(one.drive))
                     if made.refusal is None:
                         return made
                     refused = made
                 # Once only where they are too short, then everywhere.
-                limits = drawn_in(made, trial if written_refused else STUBBORN - 1)
+                limits = outline_trial.drawn_in(made, trial if written_refused else outline_trial.STUBBORN - 1)
                 left, written_refused = TRIALS + NEARER - 1 - trial, True
             else:
-                limits = between(good[-1], refused) if good else drawn_in(made, trial)
+                limits = outline_trial.between(good[-1], refused) if good else outline_trial.drawn_in(made, trial)
         assert refused is not None
         assert refused.refusal is not None
         raise NoSuchMechanism(
-            f"no pair near the outline can be made with {teeth} teeth{most_lacking(refused)}; more teeth of a "
-            f"smaller module, or a rounder outline there, are right; at last: {refused.refusal.problem}",
+            f"no pair near the outline can be made with {teeth} teeth{outline_trial.most_lacking(refused)}; more teeth "
+            f"of a smaller module, or a rounder outline there, are right; at last: {refused.refusal.problem}",
             key=refused.refusal.key,
         )
 
-    def _away_mm(self, made: Made) -> float:
+    def _away_mm(self, made: outline_trial.Made) -> float:
         return away_mm(self.outline, made.curve, self.wanted)
 
 
-def _binding(made: Made, there: float) -> tuple[Subject, ...]:
+def _binding(made: outline_trial.Made, there: float) -> tuple[Subject, ...]:
     """The conditions that bind beside a polar angle of the curve, the most binding first."""
     curve = made.curve
     at = np.interp([there], curve.phi_rad, curve.arc_mm, period=2.0 * pi)
@@ -376,7 +366,7 @@ def _with_teeth(curve: Rolled, teeth: int) -> Rolled:
     return Rolled(basis, radius, curve.axis_mm, curve.center_distance_mm, teeth, curve.mate_place)
 
 
-def _next_sizes(outline: Outline, made: Made, wanted: OutlineAim) -> tuple[NextSize, ...]:
+def _next_sizes(outline: Outline, made: outline_trial.Made, wanted: OutlineAim) -> tuple[NextSize, ...]:
     """The results with more teeth of a smaller module, from the curve that was found; none whose conditions fail."""
     sizes = list[NextSize]()
     share = np.broadcast_to(made.limits.share, made.curve.arc_mm.shape)

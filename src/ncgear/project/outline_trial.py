@@ -211,5 +211,4 @@ def between(kept: Made, refused: Made | None) -> CurveLimits:
 def _beside(curve: Rolled, at_mm: Array) -> Array:
     """1 at arc lengths of shape (k,), falling to 0 at ``BESIDE_PITCHES`` from them: shape (m, k)."""
     reach = BESIDE_PITCHES * curve.length_mm / curve.teeth
-    found: Array = np.maximum(1.0 - curve.apart_mm(at_mm) / reach, 0.0)
-    return found
+    return np.maximum(1.0 - curve.apart_mm(at_mm) / reach, 0.0)

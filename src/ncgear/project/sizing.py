@@ -22,8 +22,8 @@ from math import ceil, inf, log
 import numpy as np
 from pydantic import ValidationError
 
-from ncgear.design.keys.base import listed
 from ncgear.design.keys.design import Design
+from ncgear.design.words import listed
 from ncgear.dynamics.meshing import TOO_WEAK
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
 from ncgear.project.alternatives import Changes, changed_drive, changed_gears, is_given, may_be_helical, with_helix

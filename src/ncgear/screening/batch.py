@@ -12,17 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from ncgear.design.keys.base import UNITS, Model, key_of, spellings
+from ncgear.design.keys.base import Model, key_of
 from ncgear.design.keys.design import Design
+from ncgear.design.laws import three_segment_stroke
 from ncgear.design.laws.harmonic_ratio import HarmonicRatio
-from ncgear.design.laws.three_segment_stroke import (
-    SAME_STROKE,
-    THETAS,
-    ThreeSegmentStroke,
-    out_of_order,
-    require_stroke_of,
-)
 from ncgear.design.mechanisms import entry_of, lengths_of
+from ncgear.design.words import UNITS, spellings
 from ncgear.dynamics.crank_load import crank_angles_rad
 from ncgear.dynamics.sampled_shafts import CrankTable, crank_table
 from ncgear.errors import DesignError, WrongInput
@@ -98,7 +93,7 @@ def kind_of(design: Design) -> BatchKind | None:
 
 def _law(design: Design) -> tuple[Hashable, ...] | None:
     motion = design.motion
-    if isinstance(motion, ThreeSegmentStroke):
+    if isinstance(motion, three_segment_stroke.ThreeSegmentStroke):
         found, inverse = motion.return_.e == "least_acceleration", motion.return_.basis == "inverse_ratio"
         if motion.turns or motion.solve_for == "stroke" or found or inverse:
             return None
@@ -135,8 +130,7 @@ class Batch:
         if key in self.columns:
             return self.columns[key]
         values = np.array([_value(design, key) for design in self.written], dtype=float)
-        found: Array = values[self.follows]
-        return found
+        return values[self.follows]
 
     def given(self, key: str, unit: float = 1.0) -> Array | None:
         """The numbers at a key in a unit, shape (n,); None where the designs leave it out."""
@@ -148,8 +142,7 @@ class Batch:
         for unit in UNITS:
             if (key := f"motion.{name}_{unit}") in self.columns:
                 return self.columns[key] * factors[unit]
-        found: Array = np.array([getattr(design.motion, name) for design in self.written])[self.follows]
-        return found
+        return np.array([getattr(design.motion, name) for design in self.written])[self.follows]
 
     def series(self, name: str) -> Array:
         """A list of numbers of the motion as rows, shape (n, longest list), padded with zeros."""
@@ -218,11 +211,11 @@ class Batch:
 
     def refused_angles(self) -> dict[int, DesignError]:
         """Why theta1 to theta4 are out of order, by the rows."""
-        angles = np.stack([self.angle_rad(name) for name in THETAS])
+        angles = np.stack([self.angle_rad(name) for name in three_segment_stroke.THETAS])
         rising = (angles[0] > 0.0) & (angles[1] > angles[0]) & (angles[2] >= angles[1]) & (angles[3] > angles[2])
         refused: dict[int, DesignError] = {}
         for row in np.nonzero(~(rising & (angles[3] < 2.0 * np.pi)))[0].tolist():
-            if (wrong := out_of_order(angles[:, row].tolist())) is not None:
+            if (wrong := three_segment_stroke.out_of_order(angles[:, row].tolist())) is not None:
                 name, problem = wrong
                 key = key_of(self.written[0].motion, name)
                 refused[row] = WrongInput(problem, key=f"motion.{key}")
@@ -237,10 +230,10 @@ class Batch:
         given = self.given("motion.stroke_mm")
         if given is None:
             return {}
-        doubtful = ~np.isclose(given, self.mechanisms.stroke_mm, rtol=SAME_STROKE / 2.0, atol=0.0)
+        doubtful = ~np.isclose(given, self.mechanisms.stroke_mm, rtol=three_segment_stroke.SAME_STROKE / 2.0, atol=0.0)
         return refusals(
             doubtful & self.mechanisms.turns_fully,
-            lambda row: require_stroke_of(float(given[row]), self._mechanism(row)),
+            lambda row: three_segment_stroke.require_stroke_of(float(given[row]), self._mechanism(row)),
         )
 
 

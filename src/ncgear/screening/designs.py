@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from ncgear.design.keys.base import quantity, spellings
 from ncgear.design.keys.design import Design
 from ncgear.design.reading.places import Document
 from ncgear.design.space import Space, accepted, checked_design
 from ncgear.design.trains.registry import KINDS, names_in_file
+from ncgear.design.words import quantity, spellings
 from ncgear.errors import DesignError, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask, equal_rows
@@ -197,8 +197,7 @@ class Designs:
     @property
     def made(self) -> Mask:
         """Which designs are made, as far as they were followed."""
-        made: Mask = self.verdicts == MADE
-        return made
+        return self.verdicts == MADE
 
     def column(self, name: str) -> Array:
         """A figure, or the values of a key."""

@@ -92,8 +92,7 @@ class Effects:
             scale = np.maximum(np.abs(mean), np.abs(self.origin if self.origin is not None else 0.0))
             varies = whole > (1e-9 * scale) ** 2
             share = np.where(varies, (of_bins / whole - chance) / (1.0 - chance), np.nan)
-        explained: Array = np.clip(share, 0.0, 1.0)
-        return explained
+        return np.clip(share, 0.0, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -253,5 +252,4 @@ def rank_correlations(overview: Overview) -> Array:
 def _ranks(values: Array) -> Array:
     """Ranks, equal values sharing the mean of theirs."""
     _, group, counts = np.unique(values, return_inverse=True, return_counts=True)
-    ranks: Array = (np.cumsum(counts) - 0.5 * (counts - 1.0))[group]
-    return ranks
+    return (np.cumsum(counts) - 0.5 * (counts - 1.0))[group]

@@ -104,8 +104,7 @@ def _closes(samples: Samples, ratio: Functions) -> Mask:
     lowest = np.where(samples.there, ratio.low, np.inf).min(axis=0)
     highest = np.where(samples.there, ratio.high, -np.inf).max(axis=0)
     closed = np.abs(integrated(samples.turning) - 2.0 * np.pi) <= CLOSED
-    answer: Mask = closed & (lowest > 2.0 * STANDSTILL * highest)
-    return answer
+    return closed & (lowest > 2.0 * STANDSTILL * highest)
 
 
 def single_figures(design: Design) -> dict[str, float]:
@@ -212,14 +211,12 @@ def found_of(batch: Batch, laws: Laws, rows: IndexArray, fineness: Fineness, tog
 def _steeper_deg(batch: Batch) -> Array:
     """The steeper of both flanks' angles, shape (n,); without gears nothing must push."""
     racks = [None if design.gears is None else design.gears.rack for design in batch.written]
-    found: Array = np.array([-np.inf if rack is None else max(rack.angles_deg) for rack in racks])[batch.follows]
-    return found
+    return np.array([-np.inf if rack is None else max(rack.angles_deg) for rack in racks])[batch.follows]
 
 
 def _pushes(tangent: Array, steeper_deg: Array) -> Mask:
     """Whether teeth can push where the pitch curves are steepest."""
-    pushes: Mask = np.degrees(np.arctan(tangent)) + steeper_deg < RIGHT_ANGLE_DEG
-    return pushes
+    return np.degrees(np.arctan(tangent)) + steeper_deg < RIGHT_ANGLE_DEG
 
 
 def _measured(found: Sampled, batch: Batch, steeper_deg: Array, speed_rad_s: Array) -> dict[str, Array]:
@@ -318,8 +315,7 @@ def _force_is_seen(resistance: Resistance, displacement_mm: Array, stroke_mm: Ar
         return known
     laws = displacement_mm.reshape(-1, stroke_mm.size).T
     count = np.stack([np.searchsorted(np.sort(row), panels) for row in laws])
-    seen: Mask = np.all((np.diff(count, axis=1) >= SEEN) | (panels[1:] > stroke_mm[:, None]), axis=1)
-    return seen
+    return np.all((np.diff(count, axis=1) >= SEEN) | (panels[1:] > stroke_mm[:, None]), axis=1)
 
 
 def _check_figures(batch: Batch, measured: dict[str, Array]) -> dict[str, Array]:

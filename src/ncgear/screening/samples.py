@@ -260,8 +260,7 @@ def _stroke_laws(
 
 def _before(turned: Array) -> Array:
     """The turn of all pieces before each, shape (p, 1, n), from the turns to the points of each, shape (p, m, n)."""
-    before: Array = np.cumsum(turned[:, -1:], axis=0) - turned[:, -1:]
-    return before
+    return np.cumsum(turned[:, -1:], axis=0) - turned[:, -1:]
 
 
 def _returned(returns: Returns | PeakedReturns, points: ReturnGrid, order: int) -> list[Array]:
@@ -333,8 +332,7 @@ def _slowest(strokes: WorkingStrokes[Array]) -> Array:
         at = end * found
         step = (linear + at * (2.0 * square + 3.0 * cube * at)) / (2.0 * square + 6.0 * cube * at) / end
         found = np.clip(np.where(np.isfinite(step), found - step, found), guess - share[1], guess + share[1])
-    slowest: Array = np.clip(found, 0.0, 1.0)
-    return slowest
+    return np.clip(found, 0.0, 1.0)
 
 
 def _moved(linkage: Mechanisms[Array], driven_rad: Array, slope: Array, first: Array) -> tuple[Array, Array, Array]:

@@ -56,8 +56,7 @@ class Constraint:
     def kept(self, designs: Designs) -> Mask:
         """Whether each design keeps it; false for an unknown figure."""
         values = designs.column(self.name)
-        kept: Mask = COMPARISONS[self.comparison](values, self.number) & ~np.isnan(values)
-        return kept
+        return COMPARISONS[self.comparison](values, self.number) & ~np.isnan(values)
 
 
 @dataclass(frozen=True)
@@ -154,8 +153,7 @@ def rounded_to(values: Array, digits: int) -> Array:
     with np.errstate(divide="ignore", invalid="ignore"):
         size = np.floor(np.log10(np.abs(values)))
     factor = 10.0 ** (digits - 1 - np.where(np.isfinite(size), size, 0.0))
-    rounded: Array = np.round(values * factor) / factor
-    return rounded
+    return np.round(values * factor) / factor
 
 
 def non_dominated(costs: Array) -> IndexArray:
@@ -165,8 +163,7 @@ def non_dominated(costs: Array) -> IndexArray:
     Luccio and F. P. Preparata, "On finding the maxima of a set of vectors", Journal of the ACM 22, 1975).
     """
     order = np.lexsort((np.arange(len(costs)), *costs.T[::-1]))
-    found: IndexArray = np.sort(_front(costs, order)) if order.size else order
-    return found
+    return np.sort(_front(costs, order)) if order.size else order
 
 
 def _front(costs: Array, rising: IndexArray) -> IndexArray:
@@ -175,13 +172,11 @@ def _front(costs: Array, rising: IndexArray) -> IndexArray:
         return rising[:1]
     if costs.shape[1] == 2:
         least = np.minimum.accumulate(costs[rising, 1])
-        first: IndexArray = rising[np.concatenate([[True], least[1:] < least[:-1]])]
-        return first
+        return rising[np.concatenate([[True], least[1:] < least[:-1]])]
     if rising.size <= FEW:
         rows = costs[rising]
         beaten = np.tril((rows[:, None] >= rows[None]).all(axis=2), -1).any(axis=1)
-        left: IndexArray = rising[~beaten]
-        return left
+        return rising[~beaten]
     half = rising.size // 2
     first, second = _front(costs, rising[:half]), _front(costs, rising[half:])
     return np.concatenate([first, second[~_reached(costs[first, 1:], costs[second, 1:])]])
@@ -192,8 +187,7 @@ def _reached(first: Array, second: Array) -> Mask:
     if first.shape[1] == 2:
         rising = np.argsort(first[:, 0], kind="stable")
         least = np.concatenate([[np.inf], np.minimum.accumulate(first[rising, 1])])
-        reached: Mask = least[np.searchsorted(first[rising, 0], second[:, 0], side="right")] <= second[:, 1]
-        return reached
+        return least[np.searchsorted(first[rising, 0], second[:, 0], side="right")] <= second[:, 1]
     reached = np.zeros(len(second), dtype=bool)
     for row in first:
         left = np.nonzero(~reached)[0]

@@ -123,5 +123,4 @@ def _placed(folder: Path, name: str, content: bytes) -> tuple[Path, bool]:
 
 def _shown(points: Array) -> list[list[float]]:
     step = max(1, -(-len(points) // SHOWN_POINTS))
-    shown: list[list[float]] = np.round(points[::step], DECIMALS).tolist()
-    return shown
+    return np.round(points[::step], DECIMALS).tolist()

@@ -10,7 +10,6 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from ncgear.design.keys.base import UNITS, quantity, spellings
 from ncgear.design.keys.design import design_model
 from ncgear.design.laws.registry import LawName
 from ncgear.design.reading.messages import fields_of
@@ -18,6 +17,7 @@ from ncgear.design.reading.text import whole
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.reference import Key, allowed, choices, default_words, example, is_list, law_of, unit_of
 from ncgear.design.trains.registry import TrainFile, train_models
+from ncgear.design.words import UNITS, quantity, spellings
 from ncgear.numerics.units import label_and_unit
 
 Row = dict[str, Any]

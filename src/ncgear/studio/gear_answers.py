@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from ncgear.design.reading.design_file import LoadedTrain
-from ncgear.drawings.charts.slider_charts import Quantity
+from ncgear.drawings.charts.chart import Quantity
 from ncgear.drawings.page.data import scene_data
 from ncgear.drawings.page.motion_charts import cycle_angles_rad, motion_charts
 from ncgear.drawings.page.scene_svg import scene_svg

@@ -15,10 +15,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ncgear.design.keys.base import FULL_TURN, given, spellings
+from ncgear.design.keys.base import FULL_TURN, given
 from ncgear.design.laws.base import DraggedPoint, LawNumber
 from ncgear.design.wishes.gentle_stop import GentleStop
-from ncgear.drawings.charts.slider_charts import Quantity
+from ncgear.design.words import spellings
+from ncgear.drawings.charts.chart import Quantity
 from ncgear.errors import DesignError
 from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import sample_angles
@@ -297,5 +298,4 @@ def _with(drive: Drive, number: LawNumber, value: float) -> Transmission:
 
 
 def _ratio(law: Transmission, angle: Array) -> Array:
-    ratio: Array = 1.0 / law.driven_angle(angle, 1).derivative(1)
-    return ratio
+    return 1.0 / law.driven_angle(angle, 1).derivative(1)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ncgear.design.reading.design_file import LoadedTrain
-from ncgear.drawings.charts.slider_charts import Quantity
+from ncgear.drawings.charts.chart import Quantity
 from ncgear.drawings.page.chart_figure import PageChart
 from ncgear.drawings.page.data import MORE_DECIMALS, paces, shaft_tables
 from ncgear.drawings.page.motion_charts import cycle_angles_rad, motion_charts, quantities_of
@@ -79,8 +79,7 @@ def motion_answers(drive: Asked) -> Iterator[Answer]:
 
 def train_answers(loaded: LoadedTrain) -> Iterator[Answer]:
     """``scene``, ``motion``, ``figures`` and ``verdict`` of a train, which are what ``ncgear check`` tells of it."""
-    from ncgear.drawings.page.train_page import train_advices, train_facts
-    from ncgear.drawings.page.train_scene import train_scene
+    from ncgear.drawings.page.train_page import train_advices, train_facts, train_scene
     from ncgear.figures.trains import checked_conditions, train_answer
 
     file, train = loaded.file, loaded.file.train.train()

@@ -406,8 +406,7 @@ def _machines_of(job: Job) -> dict[str, Any]:
     with suppress(OSError, ValueError):
         path = job.folder / "machines.json"
         if path.stat().st_mtime >= job.begun_s:
-            found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-            return found
+            return json.loads(path.read_text(encoding="utf-8"))
     return {}
 
 

@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-from ncgear.design.keys.choices import Choices
+from ncgear.design.keys.optimize import Choices
 from ncgear.design.reading.design_file import parsed
 from ncgear.design.rewritten import design_copy
 from ncgear.errors import NoSuchMechanism

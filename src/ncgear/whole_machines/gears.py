@@ -9,10 +9,10 @@ from math import ceil
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ncgear.design.keys.choices import Choices, Process
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.gears import SIZES
 from ncgear.design.keys.machine import Fit
+from ncgear.design.keys.optimize import Choices, Process
 from ncgear.design.keys.strength import GearMaterial, PairMaterial
 from ncgear.design.laws.registry import found_values
 from ncgear.design.reading.design_file import LoadedDesign, parsed

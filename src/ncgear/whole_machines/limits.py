@@ -20,9 +20,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ncgear.design.keys.choices import Choices
 from ncgear.design.keys.design import Design
-from ncgear.design.keys.optimize import Optimize
+from ncgear.design.keys.optimize import Choices, Optimize
 from ncgear.design.reading.design_file import parsed
 from ncgear.errors import DesignError
 from ncgear.frozen import dataclass

@@ -7,9 +7,8 @@ from dataclasses import replace
 from math import inf
 from pathlib import Path
 
-from ncgear.design.keys.choices import AvailableMotor, Choices, Costs, Process
 from ncgear.design.keys.design import Design
-from ncgear.design.keys.optimize import Optimize
+from ncgear.design.keys.optimize import AvailableMotor, Choices, Costs, Optimize, Process
 from ncgear.design.reading.design_file import parsed
 from ncgear.design.rewritten import rewritten
 from ncgear.errors import DesignError

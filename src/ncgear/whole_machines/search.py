@@ -13,9 +13,8 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from ncgear.design.keys.choices import Choices, Process
 from ncgear.design.keys.design import Design
-from ncgear.design.keys.optimize import Optimize
+from ncgear.design.keys.optimize import Choices, Optimize, Process
 from ncgear.design.keys.strength import GearMaterial
 from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.errors import NoSuchMechanism, WrongInput

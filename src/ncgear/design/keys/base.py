@@ -19,12 +19,7 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self, TypeVar
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict, model_validator
 from pydantic_core import PydanticCustomError
 
-from ncgear.design.words import COUNTS
-from ncgear.design.words import UNITS as UNITS
-from ncgear.design.words import folded as folded
-from ncgear.design.words import listed as listed
-from ncgear.design.words import quantity as quantity
-from ncgear.design.words import spellings as spellings
+from ncgear.design.words import COUNTS, listed, spellings
 from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.units import label_and_unit
 

@@ -10,12 +10,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union
 from pydantic import Field, PrivateAttr, TypeAdapter, create_model
 
 from ncgear.design.keys.base import FILE_FORMAT, Faults, FileFormat, Model, counts, fault, given, optional, required
-from ncgear.design.keys.choices import Choices
 from ncgear.design.keys.drivetrain import Drivetrain, NamedShaft, bodies_on, named_shafts, shaft_faults
 from ncgear.design.keys.gears import SIZES, Gears
 from ncgear.design.keys.machine import Comparison, Fit, Linkage, NoLinkage, Operation, Output, Resistance
 from ncgear.design.keys.masses import Masses, Simulation, shafts_counted
-from ncgear.design.keys.optimize import FlywheelRange, FollowedOutline, Lengths, Optimize, Range
+from ncgear.design.keys.optimize import Choices, FlywheelRange, FollowedOutline, Lengths, Optimize, Range
 from ncgear.design.keys.strength import StrengthKeys
 from ncgear.design.keys.tolerances import AssemblyTolerances
 from ncgear.design.laws.base import LawKeys
@@ -291,11 +290,8 @@ class Design(Model, Shown):
             "optimize": self.optimize is not None,
             "choices": self.choices is not None,
         }
-        for key, is_given in asked.items():
-            if is_given:
-                yield fault(
-                    key, "given, but it is not offered for gears that turn to and fro, less than once; leave it out"
-                )
+        said = "given, but it is not offered for gears that turn to and fro, less than once; leave it out"
+        yield from (fault(key, said) for key, is_given in asked.items() if is_given)
 
     def _stages_have_one_lobe(self) -> Faults:
         wished = self.optimize.limits.stages if self.optimize else 1
@@ -331,12 +327,9 @@ class Design(Model, Shown):
             "gears.driven": any(driven[name] != one for name, one in driving.items()),
             "gears.material": material is not None and material.each[0] != material.each[1],
         }
-        for key, is_given in asked.items():
-            if is_given:
-                yield fault(
-                    key,
-                    f"not offered for a row of gears with idlers{OFFERED.get(key, '')}; leave it out, or gears.idlers",
-                )
+        for key in (key for key, is_given in asked.items() if is_given):
+            said = f"not offered for a row of gears with idlers{OFFERED.get(key, '')}"
+            yield fault(key, f"{said}; leave it out, or gears.idlers")
 
     def _shared_out(self) -> Faults:
         if self.gears is None:
@@ -357,9 +350,8 @@ class Design(Model, Shown):
             "optimize.limits.stages has the ratio shared by the search": self.optimize is not None
             and self.optimize.limits.stages > 1,
         }
-        for why, holds in reasons.items():
-            if holds:
-                yield fault("gears.pairs", f"{pairs} given, but {why}; leave one of them out")
+        found = (why for why, holds in reasons.items() if holds)
+        yield from (fault("gears.pairs", f"{pairs} given, but {why}; leave one of them out") for why in found)
 
     def _shafts_between_have_inertia(self) -> Faults:
         wished = self.optimize.limits.stages if self.optimize else 1

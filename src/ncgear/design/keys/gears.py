@@ -407,12 +407,9 @@ class Gears(Model):
             "cutter.kind: pinion": self.cutter.kind == "pinion",
             "rack.tip_relief": self.rack.tip_relief is not None,
         }
-        for name, is_given in unfit.items():
-            if is_given:
-                yield fault(
-                    "profile_shift.per_tooth",
-                    f"given, but not made together with {name}; leave out per_tooth, or {name}",
-                )
+        for name in (name for name, is_given in unfit.items() if is_given):
+            said = f"given, but not made together with {name}; leave out per_tooth, or {name}"
+            yield fault("profile_shift.per_tooth", said)
 
     def _a_housing_is_about_both_gears(self) -> Faults:
         if self.housing is None:

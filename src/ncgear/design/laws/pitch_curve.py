@@ -5,22 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
+from ncgear.design.keys import pitch_shapes
 from ncgear.design.keys.base import FORMULA, Expression, Faults, Length, angle, fault, given, optional
-from ncgear.design.keys.pitch_shapes import (
-    HIGHEST_DEGREE,
-    KEY,
-    BSpline,
-    DrawnContour,
-    DrawnPoints,
-    DxfContour,
-    ModifiedEllipse,
-    OffsetEllipse,
-    PictureContour,
-    RoundedPolygon,
-    Solvable,
-    SvgContour,
-    drawn_points,
-)
 from ncgear.design.laws.base import Begins, LawKeys
 from ncgear.design.words import listed
 from ncgear.errors import WrongInput
@@ -72,16 +58,16 @@ class PitchCurve(LawKeys):
         f'by which the gear has turned): "30 + 4*cos(phi)", {FORMULA}; it may not jump; where its slope does, gears '
         "cannot be made"
     )
-    points: DrawnPoints | None = optional("points of the curve, through which it is smoothed")
-    b_spline: BSpline | None = optional("a closed B-spline by its control points")
-    dxf: DxfContour | None = optional("a closed contour of a DXF file")
-    svg: SvgContour | None = optional("a closed contour of an SVG file")
-    picture: PictureContour | None = optional("the outline of a silhouette in a picture")
-    ellipse: OffsetEllipse | None = optional("an ellipse that turns about any point inside")
-    modified_ellipse: ModifiedEllipse | None = optional(
+    points: pitch_shapes.DrawnPoints | None = optional("points of the curve, through which it is smoothed")
+    b_spline: pitch_shapes.BSpline | None = optional("a closed B-spline by its control points")
+    dxf: pitch_shapes.DxfContour | None = optional("a closed contour of a DXF file")
+    svg: pitch_shapes.SvgContour | None = optional("a closed contour of an SVG file")
+    picture: pitch_shapes.PictureContour | None = optional("the outline of a silhouette in a picture")
+    ellipse: pitch_shapes.OffsetEllipse | None = optional("an ellipse that turns about any point inside")
+    modified_ellipse: pitch_shapes.ModifiedEllipse | None = optional(
         "an ellipse about its focus, its relatives of several lobes, and modified ones"
     )
-    rounded_polygon: RoundedPolygon | None = optional("a regular polygon with rounded corners")
+    rounded_polygon: pitch_shapes.RoundedPolygon | None = optional("a regular polygon with rounded corners")
     solve_for: Literal[
         "center_distance", "scale", "semi_major", "semi_minor", "eccentricity", "side", "corner_radius"
     ] = optional(
@@ -96,7 +82,7 @@ class PitchCurve(LawKeys):
     phase: float = angle("angle {unit} that the gear has turned when phi = 0, or +x of a drawn curve, faces the mate")
 
     @property
-    def contour(self) -> DrawnContour | None:
+    def contour(self) -> pitch_shapes.DrawnContour | None:
         """The contour of a drawing or a picture."""
         return self.dxf or self.svg or self.picture
 
@@ -114,15 +100,15 @@ class PitchCurve(LawKeys):
         """Points of the drawn shape, its axis, and its key; raises WrongInput for a shape that is to be found."""
         import numpy as np
 
-        key = f"{KEY}.{given(self, SHAPES)[0]}"
+        key = f"{pitch_shapes.KEY}.{given(self, SHAPES)[0]}"
         if self._found_key:
             raise WrongInput(
                 f"{self.solve_for} given; a fit needs a shape that is known: center_distance or scale is right",
-                key=f"{KEY}.solve_for",
+                key=f"{pitch_shapes.KEY}.solve_for",
             )
         in_plane = self.points if self.points is not None and self.points.in_plane else None
         if (drawn := self.contour or self.b_spline or in_plane) is not None:
-            return drawn_points(drawn, key), np.array(drawn.axis_mm), key
+            return pitch_shapes.drawn_points(drawn, key), np.array(drawn.axis_mm), key
         if self.points is not None:
             angle, radius = self.points.polar()
         else:
@@ -139,7 +125,7 @@ class PitchCurve(LawKeys):
         kept = self.model_dump(by_alias=True, exclude_unset=True, exclude=set(SHAPES))
         x, y = (column.round(DIGITS).tolist() for column in control_mm.T)
         axis = {"axis_x_mm": float(axis_mm[0].round(DIGITS)), "axis_y_mm": float(axis_mm[1].round(DIGITS))}
-        return {**kept, "b_spline": {"x_mm": x, "y_mm": y, "degree": HIGHEST_DEGREE, **axis}}
+        return {**kept, "b_spline": {"x_mm": x, "y_mm": y, "degree": pitch_shapes.HIGHEST_DEGREE, **axis}}
 
     @property
     def _is_drawn(self) -> bool:
@@ -153,7 +139,7 @@ class PitchCurve(LawKeys):
         return self.solve_for != "scale" or self.center_distance_mm is not None
 
     @property
-    def _shape(self) -> Solvable | None:
+    def _shape(self) -> pitch_shapes.Solvable | None:
         return self.ellipse or self.modified_ellipse or self.rounded_polygon
 
     @property
@@ -183,20 +169,16 @@ class PitchCurve(LawKeys):
         from ncgear.ratio.laws.pitch_curve import GivenCurve, closed_law
         from ncgear.ratio.transmission import Law, single
 
-        key = f"{KEY}.{given(self, SHAPES)[0]}"
+        key = f"{pitch_shapes.KEY}.{given(self, SHAPES)[0]}"
         repeats = (lobes.driving, lobes.driven) if self.gear == "driving" else (lobes.driven, lobes.driving)
         curve_of, range_, facts = self._curves(key, repeats[0])
         asked = GivenCurve(curve_of, range_, self._is_drawn, self.gear == "driven", self.phase, key, internal=ring)
         closed = closed_law(asked, lobes, self.center_distance_mm)
         if not self.gives_center_distance:
             return Law(linkage, single(closed.transmission), facts=facts)
-        found = {} if self.solve_for == "center_distance" else {self._found_name: closed.value}
+        found = {} if self.solve_for == "center_distance" else {self._found_key or self.solve_for: closed.value}
         sizes = {"center_distance_mm": closed.center_distance_mm, **found}
         return Law(linkage, single(closed.transmission), None, closed.center_distance_mm, {**sizes, **facts})
-
-    @property
-    def _found_name(self) -> str:
-        return self._found_key or self.solve_for
 
     def _curves(
         self, key: str, repeats: int

@@ -11,11 +11,11 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from ncgear.design.keys.base import FAULT_TYPE, Model, listed
+from ncgear.design.keys.base import FAULT_TYPE, Model
 from ncgear.design.laws.registry import law_models
 from ncgear.design.reading.places import Source
 from ncgear.design.reading.text import plain_number, quoted
-from ncgear.design.words import NAME_RULE, quantity, spellings
+from ncgear.design.words import NAME_RULE, listed, quantity, spellings
 from ncgear.errors import WrongInput
 
 MOST_PROBLEMS = 10

@@ -8,7 +8,7 @@ from dataclasses import field
 from pathlib import Path
 from typing import Any
 
-from ncgear.design.keys.base import quantity, spellings
+from ncgear.design.words import quantity, spellings
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 

@@ -19,9 +19,9 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from ncgear.design.keys.base import listed
 from ncgear.design.reading.places import Document, FilePlace, FromFile, named_by
 from ncgear.design.reading.text import plain_number, quoted, read_bytes, read_text
+from ncgear.design.words import listed
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 

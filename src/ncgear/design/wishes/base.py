@@ -105,8 +105,7 @@ class WishKeys(Model):
 
     def speed(self, quantity: str) -> float | None:
         """The value of a speed's key, in the unit of the file; None if it is left out."""
-        found: float | None = getattr(self, f"{quantity}_{self.SPEED}")
-        return found
+        return getattr(self, f"{quantity}_{self.SPEED}")
 
     @property
     def soft_weight(self) -> float | None:

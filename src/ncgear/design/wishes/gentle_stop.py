@@ -5,20 +5,9 @@ from __future__ import annotations
 from math import degrees, pi
 from typing import TYPE_CHECKING, Any, Literal
 
-from ncgear.design.keys.base import (
-    Faults,
-    Length,
-    Positive,
-    angle,
-    fault,
-    given,
-    key_of,
-    listed,
-    optional,
-    spellings,
-    unkept,
-)
+from ncgear.design.keys.base import Faults, Length, Positive, angle, fault, given, key_of, optional, unkept
 from ncgear.design.wishes.base import On, Way, WishKeys
+from ncgear.design.words import listed, spellings
 from ncgear.errors import WrongInput
 
 if TYPE_CHECKING:

@@ -24,27 +24,15 @@ from numpy.typing import NDArray
 
 from ncgear.drawings.animation import artists as looks
 from ncgear.drawings.animation.artists import MovingArtists, standing_artist
-from ncgear.drawings.charts.chart import Chart, Role, decimals_of
+from ncgear.drawings.charts.chart import Chart, Quantity, Role, decimals_of, motion_chart
 from ncgear.drawings.charts.drawer import Look, draw
-from ncgear.drawings.charts.slider_charts import Quantity, motion_chart
-from ncgear.drawings.plots.canvas import DRIVEN, DRIVING, EDGE_IN, INK, NORMAL, SMALL, Style, dress, figure
+from ncgear.drawings.plots.canvas import DRIVEN, DRIVING, EDGE_IN, INK, NORMAL, SMALL, Style, dress, figure, look_at
 from ncgear.drawings.scene.scene import Scene, ScenePoses
 from ncgear.drawings.scene.standing import Box, hatches_mm, support_hatches_mm, supports_mm, views, walls_mm
 from ncgear.figures.numbers import fixed, rounded
 from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import OutputMotion
 from ncgear.mechanisms.mechanism import Mechanism
-
-
-def look_at(axes: Axes, box: Box) -> float:
-    """Show a box (left, bottom, width, height in mm) at equal scales; returns the size of a pixel in mm."""
-    left, bottom, width, height = box
-    axes.set_xlim(left, left + width)
-    axes.set_ylim(bottom, bottom + height)
-    axes.set_aspect("equal")
-    axes.set_axis_off()
-    axes.apply_aspect()
-    return width / axes.bbox.width
 
 
 def draw_standing(axes: Axes, scene: Scene) -> None:

@@ -168,8 +168,7 @@ def _limits(strength: Strength, found: Sequence[Weakest], damage: Damage) -> lis
 def _position_deg(strength: Strength) -> Array:
     """The driving angle of every position, including positions without load, shape (n,)."""
     present, first = np.unique(strength.contacts.position, return_index=True)
-    angle: Array = np.degrees(np.interp(np.arange(present[-1] + 1), present, strength.contacts.phi1_rad[first]))
-    return angle
+    return np.degrees(np.interp(np.arange(present[-1] + 1), present, strength.contacts.phi1_rad[first]))
 
 
 def _largest(strength: Strength, values: Array) -> Array:

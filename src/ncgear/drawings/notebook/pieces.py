@@ -30,7 +30,7 @@ from ncgear.drawings.page.scene_svg import closed_path, grid_mm, scene_svg
 from ncgear.drawings.palette import DARK, LIGHT
 from ncgear.drawings.scene.scene import Scene
 from ncgear.errors import DesignError, fault_words
-from ncgear.figures.quantities import labelled
+from ncgear.figures.numbers import labelled
 from ncgear.figures.tables import Table
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.curve import ClosedPitchCurve, PitchCurve

@@ -18,7 +18,7 @@ from ncgear.contact.designed.as_designed import AsDesigned
 from ncgear.design.keys.base import Model
 from ncgear.design.keys.design import Design
 from ncgear.drawings.charts import teeth_charts
-from ncgear.drawings.charts.slider_charts import LOAD, MOTION, Quantity, motion_chart
+from ncgear.drawings.charts.chart import LOAD, MOTION, Quantity, motion_chart
 from ncgear.drawings.notebook.pieces import (
     NOTHING,
     charts,

@@ -158,8 +158,7 @@ def _cubics(low: Array, high: Array) -> Array:
     """
     (width, rise, _), rest = high - low, 1.0 - SHARES
     straight = low[1] + rise * SHARES**2 * (3.0 - 2.0 * SHARES)
-    cubics: Array = straight + width * SHARES * rest * (low[2] * rest - high[2] * SHARES)
-    return cubics
+    return straight + width * SHARES * rest * (low[2] * rest - high[2] * SHARES)
 
 
 CHAMBER = ("face", "start", "end", "begins", "behind", "level", "pushed")
@@ -282,5 +281,4 @@ def _chart(figure: ChartFigure, numbers: Mapping[GridKey, int]) -> dict[str, Any
 
 
 def _rounded(values: Array, decimals: int) -> list[float]:
-    rounded: list[float] = np.round(values, decimals).tolist()
-    return rounded
+    return np.round(values, decimals).tolist()

@@ -15,8 +15,7 @@ from math import degrees
 
 import numpy as np
 
-from ncgear.drawings.charts.chart import joints_up_to
-from ncgear.drawings.charts.slider_charts import LOAD, MOTION, Quantity, motion_chart
+from ncgear.drawings.charts.chart import LOAD, MOTION, Quantity, joints_up_to, motion_chart
 from ncgear.drawings.page.chart_figure import PageChart
 from ncgear.kinematics.check import SIDE_RAD
 from ncgear.kinematics.motion import Machine

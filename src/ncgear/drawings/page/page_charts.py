@@ -15,8 +15,7 @@ import numpy as np
 from ncgear.contact.designed.extremes import ValueRange
 from ncgear.contact.pair import PairContact
 from ncgear.drawings.charts import teeth_charts
-from ncgear.drawings.charts.chart import Chart, ChartLine, Role, joints_up_to
-from ncgear.drawings.charts.slider_charts import RATIO_NAME
+from ncgear.drawings.charts.chart import RATIO_NAME, Chart, ChartLine, Role, joints_up_to
 from ncgear.drawings.page.chart_figure import PageChart, shaft_of
 from ncgear.drawings.page.motion_charts import split_angles
 from ncgear.numerics.arrays import distinct

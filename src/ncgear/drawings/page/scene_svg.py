@@ -13,18 +13,10 @@ from math import floor, log10
 
 import numpy as np
 
+from ncgear.drawings.scene import standing
 from ncgear.drawings.scene.bodies import Body, Chamber, pin_radius_mm
 from ncgear.drawings.scene.geared_pairs import SceneGear, ScenePair
 from ncgear.drawings.scene.scene import Scene
-from ncgear.drawings.scene.standing import (
-    hatches_mm,
-    simplified,
-    straws,
-    support_hatches_mm,
-    supports_mm,
-    views,
-    walls_mm,
-)
 from ncgear.numerics.arrays import Array
 
 PLACES_PER_TOLERANCE = 5.0
@@ -71,7 +63,7 @@ def gear_tolerance_mm(pair: ScenePair) -> float:
 
 def scene_svg(scene: Scene) -> str:
     """The SVG element with no body turned; ``show`` of scene.js gives it the first pose."""
-    left, bottom, width, height = views(scene)["machine"]
+    left, bottom, width, height = standing.views(scene)["machine"]
     box = f"{left:.6g} {-bottom - height:.6g} {width:.6g} {height:.6g}"
     parts = (*_standing(scene), *_bodies(scene), *_marks(scene))
     return (
@@ -85,11 +77,11 @@ def _standing(scene: Scene) -> Iterator[str]:
     if not scene.links:
         return
     grid = grid_mm(_link_tolerance_mm(scene))
-    lines, hatches = supports_mm(linkage), support_hatches_mm(linkage)
+    lines, hatches = standing.supports_mm(linkage), standing.support_hatches_mm(linkage)
     if chamber is not None:
         for name, met_mm in (("material", chamber.begins_mm), ("material-behind", chamber.behind_mm)):
             yield _group("", name, _material(chamber)) if met_mm is not None else ""
-    lines, hatches = [*lines, *walls_mm(scene)], np.concatenate([hatches, hatches_mm(scene)])
+    lines, hatches = [*lines, *standing.walls_mm(scene)], np.concatenate([hatches, standing.hatches_mm(scene)])
     yield _scaled(grid, f'<path class="hatching" d="{strokes_path(hatches, grid)}"/>')
     yield f'<circle class="orbit" r="{linkage.crank_mm:.6g}"/>'
     yield _scaled(grid, f'<path class="wall" d="{"".join(strokes_path(line[None], grid) for line in lines)}"/>')
@@ -102,7 +94,7 @@ def _material(chamber: Chamber) -> str:
     strip = f'<rect class="{kind}" x="0" y="{-height / 2.0:.6g}" width="1" height="{height:.6g}"/>'
     if not chamber.straw:
         return strip
-    strokes = straws() * [1.0, height]
+    strokes = standing.straws() * [1.0, height]
     grain = "".join(f"M{a:.4f} {b:.3f}L{c:.4f} {d:.3f}" for (a, b), (c, d) in strokes.tolist())
     return f'{strip}<path class="straw" d="{grain}"/>'
 
@@ -118,7 +110,7 @@ def _bodies(scene: Scene) -> Iterator[str]:
 def _gear(pair: ScenePair, gear: SceneGear) -> str:
     tolerance = gear_tolerance_mm(pair)
     grid = grid_mm(tolerance)
-    curve = simplified([gear.pitch_curve_mm], tolerance)
+    curve = standing.simplified([gear.pitch_curve_mm], tolerance)
     extra = f'<path class="pitch-curve" d="{closed_path(curve, grid)}"/>'
     return body_svg(gear.body, tolerance, extra)
 
@@ -126,7 +118,7 @@ def _gear(pair: ScenePair, gear: SceneGear) -> str:
 def body_svg(body: Body, tolerance_mm: float, extra: str = "") -> str:
     """The group of a body, its outline with a tolerance; ``extra`` are further paths in steps of the grid."""
     grid = grid_mm(tolerance_mm)
-    outline = closed_path(simplified(body.contours_mm, tolerance_mm), grid)
+    outline = closed_path(standing.simplified(body.contours_mm, tolerance_mm), grid)
     if body.edges_mm:
         extra = f'<path class="edge" d="{closed_path(body.edges_mm, grid)}"/>{extra}'
     return _group(f"body {body.kind.value}", body.name, _scaled(grid, f'<path class="outline" d="{outline}"/>{extra}'))

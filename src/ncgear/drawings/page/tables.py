@@ -18,7 +18,7 @@ from markupsafe import Markup, escape
 from ncgear import __version__
 from ncgear.contact.pair import PairContact
 from ncgear.figures.data_sheet.sheet import DataSheet, Group
-from ncgear.figures.quantities import labelled
+from ncgear.figures.numbers import labelled
 from ncgear.figures.strong import weakest_table
 from ncgear.figures.summary.build_summary import contact_summary
 from ncgear.figures.tables import Column, HtmlRow, Table

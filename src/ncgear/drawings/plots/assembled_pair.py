@@ -9,15 +9,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ncgear.drawings.assembled import Assembled, AssembledPosition
+from ncgear.drawings.charts import drawer
 from ncgear.drawings.charts.chart import Chart
-from ncgear.drawings.charts.drawer import (
-    CONTACT_COLUMN,
-    CONTACT_LOOK,
-    MOTION_COLUMN,
-    MOTION_LOOK,
-    beside_png,
-    column_png,
-)
 from ncgear.drawings.plots import canvas
 from ncgear.figures.numbers import drawn, rounded
 from ncgear.numerics.arrays import Array, Mask
@@ -88,10 +81,7 @@ def draw_whole(axes: Axes, pair: Assembled, position: AssembledPosition) -> None
     _draw_turned(axes, pair, position, 0.5)
     axes.plot([0.0, pair.center_distance_mm], [0.0, 0.0], "+", color=canvas.INK, markersize=8)
     left, right, top = pair.frame
-    axes.set_xlim(left, right)
-    axes.set_ylim(-top, top)
-    axes.set_aspect("equal")
-    axes.set_axis_off()
+    canvas.look_at(axes, (left, -top, right - left, 2.0 * top))
     phi1, phi2 = (drawn(rounded(degrees(angle), 1), "deg") for angle in (position.phi1_rad, position.phi2_rad))
     axes.set_title(f"phi1 = {phi1}\u00b0, phi2 = {phi2}\u00b0", size=canvas.SMALL + 1.0, color=canvas.INK, y=1.0)
 
@@ -144,7 +134,7 @@ def _name_below(axes: Axes, text: str, x: float, color: str) -> None:
 
 def motion_drawn(charts: Sequence[Chart], title: str) -> dict[str, bytes]:
     """The picture of the machine's motion, by its file name; ``drawings.pictures`` makes the charts."""
-    return {"motion.png": column_png(charts, title, MOTION_LOOK, MOTION_COLUMN)}
+    return {"motion.png": drawer.column_png(charts, title, drawer.MOTION_LOOK, drawer.MOTION_COLUMN)}
 
 
 def gears_drawn(
@@ -166,6 +156,8 @@ def load_drawn(
 ) -> dict[str, bytes]:
     """The pictures of contact and load."""
     return {
-        "contact.png": column_png(contact, f"{pair}: contact of the teeth", CONTACT_LOOK, CONTACT_COLUMN),
-        "power.png": beside_png(load, load_title),
+        "contact.png": drawer.column_png(
+            contact, f"{pair}: contact of the teeth", drawer.CONTACT_LOOK, drawer.CONTACT_COLUMN
+        ),
+        "power.png": drawer.beside_png(load, load_title),
     }

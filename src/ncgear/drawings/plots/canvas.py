@@ -10,7 +10,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import to_rgba
+from matplotlib.cm import ScalarMappable
+from matplotlib.colorbar import Colorbar
+from matplotlib.colors import Colormap, Normalize, to_rgba
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import PathPatch, Polygon
@@ -39,6 +41,9 @@ LARGE = 12.0
 
 Style = dict[str, Any]
 """Keyword arguments of a drawing function of matplotlib."""
+
+Box = tuple[float, float, float, float]
+"""Left, bottom, width and height."""
 
 EDGE_IN = 0.12
 """Distance in inches of a heading from the figure's edges."""
@@ -101,6 +106,30 @@ def dress(axes: Axes, x_label: str, y_label: str) -> None:
         axes.spines[side].set_visible(False)
     for side in ("left", "bottom"):
         axes.spines[side].set_color(REFERENCE)
+
+
+def look_at(axes: Axes, box: Box) -> float:
+    """Show a box of the drawing at equal scales, without numbers; returns the size of a pixel in the drawing."""
+    left, bottom, width, height = box
+    axes.set_xlim(left, left + width)
+    axes.set_ylim(bottom, bottom + height)
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+    axes.apply_aspect()
+    return width / axes.bbox.width
+
+
+def color_bar(made: Figure, norm: Normalize, scale: Colormap, box: Box, label: str, **ends: Any) -> Colorbar:
+    """A level scale of colours in a box of a figure, in shares of it, with a label below."""
+    bar = made.colorbar(ScalarMappable(norm, scale), cax=made.add_axes(box), orientation="horizontal", **ends)
+    bar.ax.tick_params(labelsize=SMALL, colors=INK)
+    bar.set_label(label, size=NORMAL, color=INK)
+    return bar
+
+
+def number(axes: Axes, place: Array, text: str, **style: Any) -> None:
+    """A small number with its middle at a place, shape (2,)."""
+    axes.text(float(place[0]), float(place[1]), text, size=SMALL - 1.0, color=INK, ha="center", va="center", **style)
 
 
 def plain_log(axis: Axis, steps: tuple[float, ...]) -> None:

@@ -204,8 +204,7 @@ class Chamber:
         if self.begins_mm is None:
             return np.zeros_like(displacement_mm)
         pressed = np.where(working, np.maximum(displacement_mm, self.begins_mm), self.linkage.stroke_mm)
-        depth: Array = self.end_mm - self.face_mm - self.linkage.nearest_mm - pressed
-        return depth
+        return self.end_mm - self.face_mm - self.linkage.nearest_mm - pressed
 
     def material_behind_mm(self, displacement_mm: Array, working: Mask) -> Array:
         """Depth of the material behind the slider, from the chamber's open end on, shape (n,); 0 on the way out."""

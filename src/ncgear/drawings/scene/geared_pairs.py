@@ -54,14 +54,12 @@ class Mounting:
 
     def seen(self, points_mm: Array) -> Array:
         """Points of a gear's own frame (shape (n, 2)) in the view of the scene, before the gear turns."""
-        seen: Array = points_mm * np.array([1.0, self.hand])
-        return seen
+        return points_mm * np.array([1.0, self.hand])
 
     def on_centres_mm(self, distance_mm: Array) -> Array:
         """Points (n, 2) on the line of centres, at distances (n,) from the driving axis towards the driven axis."""
         along = np.array([cos(self.turn_rad), sin(self.turn_rad)])
-        points: Array = np.array(self.driving_axis_mm) + distance_mm[:, None] * along
-        return points
+        return np.array(self.driving_axis_mm) + distance_mm[:, None] * along
 
 
 def mountings(

@@ -14,16 +14,7 @@ from math import gcd, pi
 import numpy as np
 
 from ncgear.design.keys.machine import Resistance
-from ncgear.drawings.scene.bodies import (
-    Body,
-    BodyKind,
-    BodyPlaces,
-    Chamber,
-    chamber_of,
-    crank_shape,
-    link_shape,
-    output_shape,
-)
+from ncgear.drawings.scene import bodies
 from ncgear.drawings.scene.geared_pairs import SceneGear, ScenePair, scene_pairs, teeth_alone
 from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import Machine, OutputMotion
@@ -46,7 +37,7 @@ class ScenePoses:
 
     motion: OutputMotion
     shaft_angles_rad: Array
-    places: Mapping[str, BodyPlaces]
+    places: Mapping[str, bodies.BodyPlaces]
     pitch_points_mm: tuple[Array, ...]
     material_mm: Array
     material_behind_mm: Array
@@ -64,7 +55,7 @@ class Scene:
     machine: Machine
     train: PairsInSeries
     pairs: tuple[ScenePair, ...]
-    chamber: Chamber | None
+    chamber: bodies.Chamber | None
 
     @property
     def swings(self) -> bool:
@@ -88,18 +79,18 @@ class Scene:
         return 2.0 * pi * lobes.driven / gcd(lobes.driving, lobes.driven)
 
     @cached_property
-    def links(self) -> tuple[Body, ...]:
+    def links(self) -> tuple[bodies.Body, ...]:
         """The output, the crank, and the links between them from back to front; none for a shaft by itself."""
         linkage = self.machine.linkage
         names = list(linkage.links(Jet(np.zeros((1, 1)))))
         if not names:
             return ()
         output, *others = names
-        made = [Body(output, BodyKind.SLIDER, output_shape(linkage, self.chamber))]
+        made = [bodies.Body(output, bodies.BodyKind.SLIDER, bodies.output_shape(linkage, self.chamber))]
         for name in others:
             crank = name == "crank"
-            contours = crank_shape(linkage) if crank else link_shape(linkage, name)
-            made.append(Body(name, BodyKind.CRANK if crank else BodyKind.ROD, contours))
+            contours = bodies.crank_shape(linkage) if crank else bodies.link_shape(linkage, name)
+            made.append(bodies.Body(name, bodies.BodyKind.CRANK if crank else bodies.BodyKind.ROD, contours))
         return tuple(made)
 
     @cached_property
@@ -173,9 +164,9 @@ class Scene:
         before, behind = (depth(displacement_mm, working) for depth in found)
         return before, behind
 
-    def _link_places(self, phi2_rad: Array) -> dict[str, BodyPlaces]:
+    def _link_places(self, phi2_rad: Array) -> dict[str, bodies.BodyPlaces]:
         return {
-            name: BodyPlaces(np.stack([link.origin.x.value, link.origin.y.value], axis=-1), link.angle.value)
+            name: bodies.BodyPlaces(np.stack([link.origin.x.value, link.origin.y.value], axis=-1), link.angle.value)
             for name, link in self.machine.linkage.links(Jet(phi2_rad[None, :])).items()
         }
 
@@ -196,5 +187,7 @@ def scene_of_teeth(drive: Drive) -> Scene:
 def scene_without_gears(drive: Drive) -> Scene:
     """The scene of a drive's mechanism only; raises WrongInput or NoSuchMechanism where its law cannot be made."""
     machine, asked = drive.machine, drive.design.resistance
-    chamber = chamber_of(drive.linkage, machine.load, asked.shown_as if isinstance(asked, Resistance) else "load")
+    chamber = bodies.chamber_of(
+        drive.linkage, machine.load, asked.shown_as if isinstance(asked, Resistance) else "load"
+    )
     return Scene(drive.design.name, machine, drive.law.train, (), chamber)

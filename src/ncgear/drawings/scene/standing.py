@@ -112,8 +112,7 @@ def crossings(closed_mm: Array, x_mm: float) -> Array:
     (x0, y0), (x1, y1) = np.moveaxis(closed_mm, -1, 0), np.moveaxis(following, -1, 0)
     crossing = (x0 < x_mm) != (x1 < x_mm)
     share = (x_mm - x0[crossing]) / (x1[crossing] - x0[crossing])
-    found: Array = y0[crossing] + share * (y1 - y0)[crossing]
-    return found
+    return y0[crossing] + share * (y1 - y0)[crossing]
 
 
 def hatches_mm(scene: Scene) -> Array:
@@ -172,8 +171,7 @@ def straws() -> Array:
     middle = np.stack([along, across - 0.5], axis=-1)
     half = HALF_STRAW * np.stack([np.cos(pi * lean), np.sin(pi * lean)], axis=-1)
     low, high = np.array([0.0, -0.5]), np.array([1.0, 0.5])
-    strokes: Array = np.clip(np.stack([middle - half, middle + half], axis=1), low, high)
-    return strokes
+    return np.clip(np.stack([middle - half, middle + half], axis=1), low, high)
 
 
 SLACK = 0.03

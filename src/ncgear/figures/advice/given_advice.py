@@ -8,8 +8,9 @@ from math import exp, log, pi
 
 import numpy as np
 
-from ncgear.design.keys.base import Model, listed
+from ncgear.design.keys.base import Model
 from ncgear.design.keys.machine import LoadTable
+from ncgear.design.words import listed
 from ncgear.errors import DesignError
 from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind, NotJudged, Remedy
 from ncgear.figures.numbers import to_digits

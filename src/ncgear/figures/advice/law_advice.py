@@ -12,15 +12,7 @@ from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.pitch import shape
 from ncgear.pitch.pair import STRAIGHT, largest_tangent_angle_rad
 from ncgear.pitch.shape import Gear, Mesh
-from ncgear.project.alternatives import (
-    STEPS,
-    changed_motion,
-    flatter_rack,
-    gentler,
-    is_given,
-    kept_percent,
-    overstepped,
-)
+from ncgear.project import alternatives
 from ncgear.project.drive import Drive
 from ncgear.project.passing import CRANK_PIN, about_axis
 from ncgear.ratio.transmission import Transmission
@@ -101,8 +93,8 @@ def negative_resistance(drive: Drive, returning: bool) -> Advice | None:
         Kind.NEGATIVE_RESISTANCE,
         f"the resistance{way} is negative in places and {'kept' if kept else 'taken as zero there'}",
         f"for displacements of {named} {place.text}{drives}",
-        () if is_given(drive.design, rule) else remedies,
-        matters=not is_given(drive.design, rule),
+        () if alternatives.is_given(drive.design, rule) else remedies,
+        matters=not alternatives.is_given(drive.design, rule),
     )
 
 
@@ -127,7 +119,7 @@ def _less_steep(drive: Drive, angle: float) -> tuple[Remedy, ...]:
     def steep(transmission: Transmission) -> bool:
         return degrees(largest_tangent_angle_rad(transmission, mesh).value + rack) > STEEPEST_DEG
 
-    flatter = flatter_rack(drive, angle - STEEPEST_DEG)
+    flatter = alternatives.flatter_rack(drive, angle - STEEPEST_DEG)
     words = "take a rack with a smaller pressure angle, of which more teeth may be undercut"
     other_rack = (Remedy(words, changed(flatter)),) if flatter else ()
     sought = optimised(drive, pressure_angle_deg=STEEPEST_DEG) if mesh is Mesh.EXTERNAL else ()
@@ -234,7 +226,7 @@ def _beside_own_shaft(drive: Drive, part: str, radius_mm: float, pin_mm: float) 
 def _below(drive: Drive, words: str) -> Remedy:
     """A driving shaft that ends below what moves; only words where the file says that it goes through."""
     change = Change("fit.driving_shaft", "ends")
-    return Remedy(str(change)) if is_given(drive.design, change.key) else Remedy(words, (change,))
+    return Remedy(str(change)) if alternatives.is_given(drive.design, change.key) else Remedy(words, (change,))
 
 
 def rods(drive: Drive) -> list[Advice | NotJudged]:
@@ -356,7 +348,7 @@ def optimised(drive: Drive, **limits: float | bool) -> tuple[Remedy, ...]:
     so, and where the output never returns, since there is nothing to optimise then.
     """
     own = (drive.design.optimize or Optimize()).limits
-    given = {key: getattr(own, key) for key in limits if is_given(drive.design, f"optimize.limits.{key}")}
+    given = {key: getattr(own, key) for key in limits if alternatives.is_given(drive.design, f"optimize.limits.{key}")}
     if not all(_as_tight(key, value, limits[key]) for key, value in given.items()) or not drive.linkage.RETURNS:
         return ()
     changes = changed({f"optimize.limits.{key}": value for key, value in limits.items() if key not in given})
@@ -375,11 +367,13 @@ def tempered(drive: Drive, harmful: Callable[[Transmission], bool]) -> tuple[Rem
 
     Empty too where that law no longer keeps a wish or a limit of the file that the law as given keeps.
     """
-    percent = kept_percent(drive.design, harmful)
+    percent = alternatives.kept_percent(drive.design, harmful)
     if percent == 0:
         return ()
-    changes = gentler(drive.design, percent / STEPS)
-    if not overstepped(changed_motion(drive.design, changes)) <= overstepped(drive.design):
+    changes = alternatives.gentler(drive.design, percent / alternatives.STEPS)
+    if not alternatives.overstepped(alternatives.changed_motion(drive.design, changes)) <= alternatives.overstepped(
+        drive.design
+    ):
         return ()
     text = f"keep {percent} % of the law's swing, which moves the {drive.linkage.OUTPUT.name} more evenly"
     return (Remedy(text, changed(changes)),)

@@ -140,8 +140,7 @@ def shortened(drive: Drive) -> list[Advice]:
 
 def _lowered(gear: ToothedGear, reason: Limit) -> Mask:
     """Flanks whose tips a reason limits below the rack's full height; raised tips may be limited above it."""
-    lowered: Mask = (gear.flanks.tip_height_mm < gear.flanks.full_tip_mm) & (gear.tips.limit == reason)
-    return lowered
+    return (gear.flanks.tip_height_mm < gear.flanks.full_tip_mm) & (gear.tips.limit == reason)
 
 
 def _found(

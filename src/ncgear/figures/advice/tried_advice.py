@@ -11,18 +11,9 @@ from time import process_time
 from ncgear.figures.advice.values import Advice, Remedy, RemedySearch, changed
 from ncgear.figures.numbers import to_digits
 from ncgear.interrupts import TimeIsOver, at_most
+from ncgear.project import strengthening
 from ncgear.project.alternatives import Changes
 from ncgear.project.drive import Drive
-from ncgear.project.strengthening import (
-    Rating,
-    crowned_enough,
-    helical_enough,
-    known_rating,
-    large_enough,
-    largest_thrust_n,
-    strong_enough,
-    wide_enough,
-)
 
 FINER = Remedy("try more teeth of a smaller module", search=RemedySearch.FINER)
 
@@ -33,12 +24,12 @@ CLOSER = Remedy("try less backlash", search=RemedySearch.CLOSER)
 MOST_SECONDS = 5.0
 """Most processor time of the trials of one verdict: who waits for it does not wait longer."""
 
-ENOUGH: dict[RemedySearch, tuple[Callable[[Drive, Rating], Changes], str]] = {
-    RemedySearch.CROWNED: (crowned_enough, "crown the flanks"),
-    RemedySearch.WIDER: (wide_enough, "make the gears wider"),
-    RemedySearch.LARGER: (large_enough, "take a larger module"),
-    RemedySearch.HELICAL: (helical_enough, "cut helical teeth"),
-    RemedySearch.STRONGER: (strong_enough, "take a stronger material"),
+ENOUGH: dict[RemedySearch, tuple[Callable[[Drive, strengthening.Rating], Changes], str]] = {
+    RemedySearch.CROWNED: (strengthening.crowned_enough, "crown the flanks"),
+    RemedySearch.WIDER: (strengthening.wide_enough, "make the gears wider"),
+    RemedySearch.LARGER: (strengthening.large_enough, "take a larger module"),
+    RemedySearch.HELICAL: (strengthening.helical_enough, "cut helical teeth"),
+    RemedySearch.STRONGER: (strengthening.strong_enough, "take a stronger material"),
 }
 """What is tried of teeth that do not hold, and the words for what does."""
 
@@ -67,18 +58,18 @@ def is_without_value(advice: Advice) -> bool:
 def _valued(remedy: Remedy, search: RemedySearch, again: Good, drive: Drive, seconds: float) -> Remedy | None:
     if search not in ENOUGH:
         return _of_teeth(remedy, search, again, drive, seconds)
-    rating = known_rating(drive)
+    rating = strengthening.known_rating(drive)
     with suppress(TimeIsOver), at_most(seconds):
-        return enough(search, drive, rating) if isinstance(rating, Rating) else None
+        return enough(search, drive, rating) if isinstance(rating, strengthening.Rating) else None
     return remedy
 
 
-def enough(search: RemedySearch, drive: Drive, rating: Rating) -> Remedy | None:
+def enough(search: RemedySearch, drive: Drive, rating: strengthening.Rating) -> Remedy | None:
     """The least change of one of ENOUGH with which rated teeth hold; None where none does."""
     found, words = ENOUGH[search]
     changes = found(drive, rating)
     if changes.get("gears.helix.kind") == "helical":
-        thrust_n = largest_thrust_n(drive, rating, radians(float(str(changes["gears.helix.angle_deg"]))))
+        thrust_n = strengthening.largest_thrust_n(drive, rating, radians(float(str(changes["gears.helix.angle_deg"]))))
         words += f", which thrust up to {to_digits(thrust_n, 2)} N along the shafts"
     return Remedy(words, changed(changes)) if changes else None
 

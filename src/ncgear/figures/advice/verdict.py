@@ -13,8 +13,8 @@ from enum import IntEnum, StrEnum
 from time import process_time
 from typing import Any
 
-from ncgear.design.keys.base import listed
 from ncgear.design.keys.design import Design
+from ncgear.design.words import listed
 from ncgear.errors import DesignError
 from ncgear.figures.advice import (
     drivetrain_advice,
@@ -108,8 +108,7 @@ class Condition:
             return self.judge
         from ncgear.figures.advice import teeth_advice
 
-        judge: Judge = getattr(teeth_advice, kind.value)
-        return judge
+        return getattr(teeth_advice, kind.value)
 
 
 CONDITIONS: dict[Kind, Condition] = {

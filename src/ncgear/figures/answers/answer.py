@@ -14,8 +14,7 @@ from pathlib import Path
 from textwrap import shorten, wrap
 from typing import TYPE_CHECKING
 
-from ncgear.figures.numbers import fixed, to_digits
-from ncgear.figures.quantities import figure, name_of
+from ncgear.figures.numbers import figure, fixed, name_of, to_digits
 from ncgear.figures.tables import GAP, aligned
 from ncgear.frozen import dataclass
 

@@ -5,23 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from math import degrees
 
-from ncgear.design.keys.base import listed
 from ncgear.design.keys.design import Design
+from ncgear.design.words import listed
+from ncgear.figures import best_law
 from ncgear.figures.answers.answer import Answer, Fault, Row, row
-from ncgear.figures.best_law import (
-    FELT,
-    felt,
-    in_units_of,
-    limits_not_reached,
-    not_closed,
-    other_mechanisms,
-    points_of,
-    starts_text,
-    summary_of,
-    unit_of_goal,
-)
-from ncgear.figures.numbers import finite, fixed, shown, to_digits
-from ncgear.figures.quantities import figure, name_of
+from ncgear.figures.numbers import figure, finite, fixed, name_of, shown, to_digits
 from ncgear.numerics.units import KG_M2, label_and_unit
 from ncgear.optimum.flywheels import KNOTS, FlywheelPoint
 from ncgear.optimum.makeable.wishes import Goal
@@ -70,28 +58,32 @@ def _limit(best: BestLaw) -> str:
 
 
 def _in_unit(best: BestLaw, goal: float) -> str:
-    return f"{shown(goal)} {'' if best.wishes.goal is Goal.WEIGHTED else unit_of_goal(best)}".rstrip()
+    return f"{shown(goal)} {'' if best.wishes.goal is Goal.WEIGHTED else best_law.unit_of_goal(best)}".rstrip()
 
 
 def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
     rack = best.wishes.limits.rack_angle_rad
-    told, above = [summary_of(one, best) for one in found], f" above order {best.task.harmonics_above}"
+    told, above = [best_law.summary_of(one, best) for one in found], f" above order {best.task.harmonics_above}"
     rows = [
         Row(name_of(key) + above * ("harmonics" in key), tuple(figure(key, one.get(key)) for one in told))
-        for key in in_units_of(dict.fromkeys(["peak_power_w", "peak_acceleration_mm_s2", *_asked(best)]), best)
+        for key in best_law.in_units_of(dict.fromkeys(["peak_power_w", "peak_acceleration_mm_s2", *_asked(best)]), best)
     ]
     rows.append(Row("ratio", tuple(f"{fixed(one.ratio_min, 3)} to {fixed(one.ratio_max, 3)}" for one in found)))
     rows.append(row("max_pressure_angle_deg", *(degrees(one.tangent_rad + rack) for one in found)))
     rows.append(row("convex", *(one.convex for one in found)))
-    rows += [row(key, *(felt(key, one) for one in found)) for key in FELT if felt(key, best.figures) is not None]
+    rows += [
+        row(key, *(best_law.felt(key, one) for one in found))
+        for key in best_law.FELT
+        if best_law.felt(key, best.figures) is not None
+    ]
     said = [*_of_lengths(best), *_of_flywheel(best)]
     if best.starts.count > 1:
-        said.append(("starts", starts_text(best)))
-    if (distance := not_closed(best)) is not None:
+        said.append(("starts", best_law.starts_text(best)))
+    if (distance := best_law.not_closed(best)) is not None:
         said.append(("the limit", distance))
     if best.not_covered:
         said.append(("the limit", f"knows nothing of {listed(best.not_covered, 'or')} and may lie higher"))
-    if far := limits_not_reached(best):
+    if far := best_law.limits_not_reached(best):
         named = (f"{key} {shown(limit)} ({to_digits(value, 4)})" for key, (limit, value) in far.items())
         said.append(("not reached", f"by this law: {listed(list(named), 'and')}"))
     if best.task.masses is not None and best.design.masses is not None:
@@ -154,7 +146,7 @@ def frontier_answer(found: Frontier, beside: SoughtMachine, then: str) -> Answer
     """Some points from least power to least acceleration, and the mechanisms beside them."""
     output = beside.task.linkage.OUTPUT.acceleration
     key = f"peak_acceleration_cycle_{output.ending}"
-    points = points_of(found)
+    points = best_law.points_of(found)
     count = min(len(points), POINTS)
     told = [points[round(place * (len(points) - 1) / max(count - 1, 1))] for place in range(count)]
     rows = []
@@ -165,7 +157,7 @@ def frontier_answer(found: Frontier, beside: SoughtMachine, then: str) -> Answer
         rows.append(Row(f"under {figure('power_cap_w', point.cap_w)}", texts))
     rows += [
         Row(one.name, (f"{figure('peak_power_w', one.peak_power_w)}, {figure(key, one.peak_acceleration_mm_s2)}",))
-        for one in other_mechanisms(beside)
+        for one in best_law.other_mechanisms(beside)
     ]
     rows += _without_masses(beside)
     certified = "the limit counts hard wishes alone" if beside.soft else "no law goes below the limit"

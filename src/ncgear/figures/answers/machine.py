@@ -9,8 +9,7 @@ from ncgear.design.words import COUNTS
 from ncgear.figures.advice.law_advice import speeds
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.answer import COLUMNS, INDENT, Answer, Row, difference, faults_of, in_one_line, row
-from ncgear.figures.numbers import shown, to_digits
-from ncgear.figures.quantities import figure, labelled, name_of
+from ncgear.figures.numbers import figure, labelled, name_of, shown, to_digits
 from ncgear.figures.summary.check_summary import comparison_rows, masses_note, stages_summary
 from ncgear.figures.wished import motion_facts, wish_line, wish_rows
 from ncgear.kinematics.check import peak_figures

@@ -10,8 +10,7 @@ from ncgear.dynamics.level import Level
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.answer import Answer, Row, difference, faults_of, row
 from ncgear.figures.answers.machine import THIS, head_of
-from ncgear.figures.numbers import to_digits
-from ncgear.figures.quantities import PLACE, figure, name_of
+from ncgear.figures.numbers import PLACE, figure, name_of, to_digits
 from ncgear.figures.simulated import SAME_AS_MESH
 from ncgear.figures.strong import decided_words
 from ncgear.figures.summary.check_summary import uniform_key

@@ -6,40 +6,18 @@ from collections.abc import Sequence
 from math import radians
 from typing import Any, Literal
 
-from ncgear.design.keys.base import listed
 from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.design.reading.text import whole
 from ncgear.design.rewritten import told_copy
+from ncgear.design.words import listed
+from ncgear.figures import strong
 from ncgear.figures.advice.drivetrain_advice import around
 from ncgear.figures.advice.values import Advice, Kind, Remedy, changed, in_file
 from ncgear.figures.advice.verdict import State, Verdict
 from ncgear.figures.answers.answer import Answer, Fault, Row, faults_of, told_once
 from ncgear.figures.answers.machine import gear_rows
 from ncgear.figures.flanks import hours_words, surfaces_rows, vibration_of_rating, vibration_words
-from ncgear.figures.numbers import known, shown, teeth_words, to_digits
-from ncgear.figures.quantities import figure, name_of
-from ncgear.figures.strong import (
-    DECIDING,
-    HEADS,
-    METHODS,
-    better_lead_words,
-    deciding_forces,
-    deciding_words,
-    face_load_words,
-    holding_words,
-    jam_words,
-    jolts_words,
-    knock_figures,
-    knock_words,
-    least_safeties,
-    least_words,
-    load_words,
-    materials_words,
-    of_weakest,
-    rim_words,
-    strength_summary,
-    weakest_cells,
-)
+from ncgear.figures.numbers import figure, known, name_of, shown, teeth_words, to_digits
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.figures import figures_of
@@ -61,7 +39,7 @@ def strength_answer(
     ``verdict`` is that on the whole machine; its other warnings follow.
     """
     drive, first, _, beside, _ = pairs[0]
-    heads = [f"{head.label}, {head.unit}" if head.unit else head.label for head in HEADS[2:]]
+    heads = [f"{head.label}, {head.unit}" if head.unit else head.label for head in strong.HEADS[2:]]
     if beside is not None:
         heads.insert(1, f"by {beside.strength.method}")
     rows, weak, worn_out, lasting, about = [], list[tuple[float, Fault]](), list[Fault](), list[Row](), list[Row]()
@@ -80,13 +58,13 @@ def strength_answer(
     faults = [*told_once(fault for _, fault in sorted(weak, key=lambda one: one[0])), *worn_out]
     others = faults_of(verdict.without(Kind.STRENGTH))
     judged = all(row.state is not State.NOT_JUDGED for row in verdict.rows if row.kind is Kind.STRENGTH)
-    held = holding_words(wears=any(rating.strength.wears for _, rating, *_ in pairs), judged=judged)
+    held = strong.holding_words(wears=any(rating.strength.wears for _, rating, *_ in pairs), judged=judged)
     return Answer(
         f"{design.name}: strength of the teeth at {design.operation.speed_rpm:g} r/min",
         # What was asked for stays where a screen is too small
-        (*lasting, *rows, Row("method", (METHODS[first.strength.method].partition(",")[0],)), *about),
+        (*lasting, *rows, Row("method", (strong.METHODS[first.strength.method].partition(",")[0],)), *about),
         (*faults, *others),
-        f"Load: {load_words(drive, first.strength)}",
+        f"Load: {strong.load_words(drive, first.strength)}",
         heads=tuple(heads),
         good=f"{held} {verdict.good}",
         wrong=HOLD_NOT if faults else f"{held} Other warnings",
@@ -98,7 +76,7 @@ def strength_answer(
 def _rows(of: str, rating: Rating, beside: Rating | None) -> list[Row]:
     found = []
     for place, one in enumerate(rating.weakest):
-        gear, damage, *cells = weakest_cells(one, rating.strength.wears)
+        gear, damage, *cells = strong.weakest_cells(one, rating.strength.wears)
         if beside is not None:
             cells.insert(1, to_digits(beside.weakest[place].safety, 3))
         found.append(Row(f"{of}{gear}, {damage}", tuple(cells)))
@@ -113,20 +91,20 @@ def _about(drive: Drive, rating: Rating) -> list[Row]:
         off = f"{name_of(error)} {figure(error, loading.transmission_error_rad)}"
         under_load = f"contact ratio {shown(loading.contact_ratio)}, {off}"
     joints = (
-        f"{name_of(key)} {figure(key, most)} by {DECIDING[load]}"
-        for key, (most, load) in deciding_forces(drive).items()
+        f"{name_of(key)} {figure(key, most)} by {strong.DECIDING[load]}"
+        for key, (most, load) in strong.deciding_forces(drive).items()
     )
     # What lowers the safeties most is told where a screen is too small for all
     rows = [
-        ("jam", jam_words(drive, rating)),
-        ("material", materials_words(drive, strength)),
-        ("force", f"up to {force} on one pair of teeth, times {jolts_words(drive)}"),
-        ("face load", face_load_words(drive, rating)),
+        ("jam", strong.jam_words(drive, rating)),
+        ("material", strong.materials_words(drive, strength)),
+        ("force", f"up to {force} on one pair of teeth, times {strong.jolts_words(drive)}"),
+        ("face load", strong.face_load_words(drive, rating)),
         *surfaces_rows(drive, drive.surfaces_by(strength.method)),
-        ("knocks", knock_words(loading.knocks)),
-        ("decided", deciding_words(drive, rating)),
+        ("knocks", strong.knock_words(loading.knocks)),
+        ("decided", strong.deciding_words(drive, rating)),
         ("vibration", vibration_words(told) if told else ""),
-        ("rim", rim_words(drive, rating)),
+        ("rim", strong.rim_words(drive, rating)),
         ("teeth", gear_rows(drive)["teeth"]),
         ("under load", under_load),
         ("joints", ", ".join(joints)),
@@ -177,15 +155,15 @@ def sized_answer(
         f"{design.name}: the smallest gears that hold at {design.operation.speed_rpm:g} r/min, by the estimate",
         (
             *(Row(f"module {cells[0]} mm", tuple(cells[1:])) for cells in map(sized_row, found)),
-            Row("material", (materials_words(first.drive, strength),)),
+            Row("material", (strong.materials_words(first.drive, strength),)),
             Row("wanted", (f"safeties of {listed(wanted, 'and')}",)),
             Row("first", (", ".join(map(str, in_file(design, changed(first.changes)))),)),
-            *([Row("lead", (better_lead_words(lead),))] if lead else []),
+            *([Row("lead", (strong.better_lead_words(lead),))] if lead else []),
             *([Row("helix", (helix,))] if (helix := _helical_words(first, herringbone)) else []),
             *([Row("left out", (f"{listed(left_out, 'and')}: of other gears",))] if left_out else []),
         ),
         tuple(faults),
-        f"Load: {load_words(first.drive, strength)}",
+        f"Load: {strong.load_words(first.drive, strength)}",
         heads=SIZED,
         good="",
         wrong="The gears hold; around them this does not",
@@ -208,8 +186,10 @@ def worn_figures(drive: Drive, found: Sequence[Worn]) -> dict[str, Any]:
         else:
             free = {f"free_way_{place.ending}": place.factor * one.free} if one.free else {}
             strength = one.rating.strength
-            least = {f"{damage.value}_safety_min": known(most) for damage, most in least_safeties(strength).items()}
-            section |= free | knock_figures(one.rating.loading.knocks)
+            least = {
+                f"{damage.value}_safety_min": known(most) for damage, most in strong.least_safeties(strength).items()
+            }
+            section |= free | strong.knock_figures(one.rating.loading.knocks)
             section |= {"peak_tooth_force_n": strength.peak_pair_n, **least}
         told[f"after_{round(one.hours)}_h"] = section
     return {"worn": told}
@@ -223,10 +203,10 @@ def worn_rows(drive: Drive, found: Sequence[Worn]) -> list[tuple[str, str]]:
         if one.rating is None:
             words += f"no gears any more: {one.why}"
         else:
-            free, knocks = to_digits(output.place.factor * one.free, 2), knock_words(one.rating.loading.knocks)
+            free, knocks = to_digits(output.place.factor * one.free, 2), strong.knock_words(one.rating.loading.knocks)
             words += f"{output.name} free by {free} {output.place.text}; up to " if one.free else "up to "
             words += f"{figure('force_n', one.rating.strength.peak_pair_n)} on one pair of teeth, safety "
-            words += least_words(one.rating.strength) + (f"; knocks {knocks}" if knocks else "")
+            words += strong.least_words(one.rating.strength) + (f"; knocks {knocks}" if knocks else "")
         rows.append((f"after {hours_words(one.hours)}", words))
     return rows
 
@@ -277,7 +257,7 @@ def sized_figures(found: Sequence[Sized], herringbone: Sized | None = None) -> d
     """
     first = found[0]
     design, rating = first.drive.design, first.rating
-    wanted = of_weakest(rating, lambda one: {"safety_wanted": one.wanted})
+    wanted = strong.of_weakest(rating, lambda one: {"safety_wanted": one.wanted})
     materials = {
         gear.value: {"material": rating.strength.of(gear).material.name, **wanted[gear.value]} for gear in Gear
     }
@@ -294,7 +274,7 @@ def _sizes(one: Sized) -> dict[str, Any]:
     return {
         **figures_of(one.drive, "module_mm", "teeth_driving", "teeth_driven", "face_width_mm", "center_distance_mm"),
         "largest_diameter_mm": one.diameter_mm,
-        "strength": strength_summary(one.rating, one.drive),
+        "strength": strong.strength_summary(one.rating, one.drive),
         "parts_that_fail": [told.what for told in parts_that_fail(one)],
         "keys": dict(one.changes),
     }

@@ -8,22 +8,13 @@ from dataclasses import asdict
 from math import degrees, radians
 from typing import Any
 
+from ncgear.balance import rotor
 from ncgear.balance.gears import GearBody
-from ncgear.balance.rotor import (
-    ChainUnbalance,
-    balanced,
-    chain_unbalance,
-    grade_reached,
-    opposite_weight_g,
-    permissible_unbalance_kg_mm,
-    predicted,
-)
 from ncgear.design.keys.balance import ChainDrive, Rotor
 from ncgear.errors import below
 from ncgear.figures.answers.answer import Answer, Fault, Row
 from ncgear.figures.balance.shaking import chassis_figures, excitation_figures, frame_figures, mechanism_figures
-from ncgear.figures.numbers import fixed, to_digits
-from ncgear.figures.quantities import figure
+from ncgear.figures.numbers import figure, fixed, to_digits
 from ncgear.numerics.units import N_M_PER_N_MM, N_PER_KG_MM_S2, RAD_S_PER_RPM, STANDARD_GRAVITY_M_S2
 from ncgear.project.balancing import (
     BalancedGear,
@@ -68,9 +59,9 @@ def _gear(gear: BalancedGear, grade: float) -> dict[str, Any]:
 
 
 def _body(body: GearBody, speed_rad_s: float, grade: float) -> dict[str, Any]:
-    permissible = permissible_unbalance_kg_mm(grade, body.mass_kg, speed_rad_s)
+    permissible = rotor.permissible_unbalance_kg_mm(grade, body.mass_kg, speed_rad_s)
     unbalance = abs(body.unbalance_kg_mm)
-    reached = grade_reached(unbalance, body.mass_kg, speed_rad_s)
+    reached = rotor.grade_reached(unbalance, body.mass_kg, speed_rad_s)
     return {
         "mass_kg": body.mass_kg,
         "eccentricity_mm": body.eccentricity_mm,
@@ -91,7 +82,7 @@ def rotor_figures(balancing: Balancing) -> dict[str, Any]:
     """Corrections of a rotor, and the readings expected after them."""
     asked = balancing.balance.rotor
     assert asked is not None
-    found = balanced(readings_of(asked.first), trial_runs_of(asked), "rotor.trials")
+    found = rotor.balanced(readings_of(asked.first), trial_runs_of(asked), "rotor.trials")
     return {
         "planes": [_polar(weight, "correction_g", "angle_deg") for weight in found.weights],
         "sensors": [_polar(left, "expected_amplitude", "phase_deg") for left in found.residual],
@@ -103,7 +94,7 @@ def _permissible(asked: Rotor) -> dict[str, float]:
     """The unbalance that the grade allows in all planes together, also as a weight at the radius of the corrections."""
     if asked.mass_kg is None or asked.radius_mm is None:
         return {}
-    allowed = permissible_unbalance_kg_mm(asked.grade, asked.mass_kg, asked.speed_rpm * RAD_S_PER_RPM)
+    allowed = rotor.permissible_unbalance_kg_mm(asked.grade, asked.mass_kg, asked.speed_rpm * RAD_S_PER_RPM)
     return {"permissible_kg_mm": allowed, "permissible_weight_g": 1000.0 * allowed / asked.radius_mm}
 
 
@@ -111,7 +102,7 @@ def chain_figures(balancing: Balancing) -> dict[str, Any]:
     """The ranges of a chain drive's equivalent unbalance, and predictions from them."""
     asked = balancing.balance.chain_drive
     assert asked is not None
-    found = chain_unbalance(weight_runs_of(asked), chain_phases_of(asked), "chain_drive.runs")
+    found = rotor.chain_unbalance(weight_runs_of(asked), chain_phases_of(asked), "chain_drive.runs")
     return {
         "effect_of_weight": asdict(found.weight),
         "tight_side": asdict(found.tight),
@@ -120,8 +111,8 @@ def chain_figures(balancing: Balancing) -> dict[str, Any]:
     }
 
 
-def _prediction(asked: ChainDrive, found: ChainUnbalance, weight_deg: float) -> dict[str, Any]:
-    made = predicted(found, chain_phases_of(asked), radians(weight_deg))
+def _prediction(asked: ChainDrive, found: rotor.ChainUnbalance, weight_deg: float) -> dict[str, Any]:
+    made = rotor.predicted(found, chain_phases_of(asked), radians(weight_deg))
     larger = max(made.by_tight, made.by_slack, key=abs)
     figures = {
         "weight_deg": weight_deg,
@@ -131,7 +122,7 @@ def _prediction(asked: ChainDrive, found: ChainUnbalance, weight_deg: float) -> 
     }
     if asked.effect_per_g is None:
         return figures
-    weight = opposite_weight_g(made.amplitude, phase(larger), asked.effect_per_g)
+    weight = rotor.opposite_weight_g(made.amplitude, phase(larger), asked.effect_per_g)
     return {**figures, **_polar(weight, "correction_g", "correction_deg")}
 
 

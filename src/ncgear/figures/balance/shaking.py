@@ -7,20 +7,9 @@ from itertools import combinations
 from math import degrees, radians
 from typing import Any
 
+from ncgear.balance import frame
 from ncgear.balance.counterweights import least_squares, minimax, sweep
 from ncgear.balance.excitation import Engine, Excitation, Shaft, margins, of_engine, of_shaft, of_slider
-from ncgear.balance.frame import (
-    Chassis,
-    Crank,
-    Mounted,
-    best_phase,
-    dynamic_counterweights,
-    frame_shaking,
-    frame_sweep,
-    reciprocating_share,
-    rotating_share,
-    static_counterweight_kg,
-)
 from ncgear.balance.mechanism import (
     Counterweight,
     DrivenCrank,
@@ -169,7 +158,7 @@ def _track(of: Track) -> dict[str, float]:
 def frame_figures(balancing: Balancing) -> dict[str, Any]:
     """All mechanisms together, the shares of each pair, and the best phase where the file asks for one."""
     mounted, balance = balancing.mounted, balancing.balance
-    figures: dict[str, Any] = {"together": shaking_figures(frame_shaking(mounted)), "pairs": _pairs(balancing)}
+    figures: dict[str, Any] = {"together": shaking_figures(frame.frame_shaking(mounted)), "pairs": _pairs(balancing)}
     sweeps = {
         one.name: _sweep_of_machine(one.sweep, mounted, number)
         for number, one in enumerate(balance.mechanisms)
@@ -179,18 +168,18 @@ def frame_figures(balancing: Balancing) -> dict[str, Any]:
         figures["sweeps"] = sweeps
     if balance.move_phase_of is not None:
         moved = [one.name for one in balance.mechanisms].index(balance.move_phase_of)
-        found = best_phase(mounted, moved)
+        found = frame.best_phase(mounted, moved)
         best = [replace(one, phase_rad=found.at) if k == moved else one for k, one in enumerate(mounted)]
         figures["best_phase"] = {
             "of": balance.move_phase_of,
             "phase_deg": degrees(found.at),
-            **shaking_figures(frame_shaking(best)),
+            **shaking_figures(frame.frame_shaking(best)),
         }
     return figures
 
 
-def _sweep_of_machine(asked: keys.Sweep, mounted: list[Mounted], moved: int) -> list[dict[str, float]]:
-    tried = frame_sweep(mounted, moved, crank_counterweight(asked), asked.masses_kg)
+def _sweep_of_machine(asked: keys.Sweep, mounted: list[frame.Mounted], moved: int) -> list[dict[str, float]]:
+    tried = frame.frame_sweep(mounted, moved, crank_counterweight(asked), asked.masses_kg)
     return [
         {
             "counterweight_kg": mass,
@@ -209,20 +198,20 @@ def _pairs(balancing: Balancing) -> list[dict[str, Any]]:
         {
             "first": name,
             "second": other_name,
-            "eta1": reciprocating_share(_crank(one), _crank(other)),
-            "eta2": rotating_share(_crank(one), _crank(other)),
+            "eta1": frame.reciprocating_share(_crank(one), _crank(other)),
+            "eta2": frame.rotating_share(_crank(one), _crank(other)),
         }
         for (name, one), (other_name, other) in combinations(even, 2)
         if one.direction_rad == other.direction_rad and _massive(one) and _massive(other)
     ]
 
 
-def _massive(one: Mounted) -> bool:
+def _massive(one: frame.Mounted) -> bool:
     joints = joint_masses(one.mechanism.linkage, one.mechanism.masses)
     return joints.reciprocating_kg != 0.0 and joints.rotating_kg != 0.0
 
 
-def _crank(one: Mounted) -> Crank:
+def _crank(one: frame.Mounted) -> frame.Crank:
     """The crank of the formulas; its angle is the one in the frame at time zero, in the sense of its turning.
 
     Masses are multiplied by the crank's length, because their forces are proportional to it.
@@ -230,7 +219,7 @@ def _crank(one: Mounted) -> Crank:
     sense, crank = (-1 if one.mirrored else 1), one.mechanism.linkage.crank_mm
     joints = joint_masses(one.mechanism.linkage, one.mechanism.masses)
     weighted = JointMasses(crank * joints.rotating_kg, crank * joints.reciprocating_kg)
-    return Crank(weighted, sense * one.phase_rad, sense)
+    return frame.Crank(weighted, sense * one.phase_rad, sense)
 
 
 def chassis_figures(balancing: Balancing) -> dict[str, Any]:
@@ -238,9 +227,9 @@ def chassis_figures(balancing: Balancing) -> dict[str, Any]:
     asked = balancing.balance.chassis
     assert asked is not None
     number = [one.name for one in balancing.balance.mechanisms].index(asked.mechanism)
-    chassis = Chassis(asked.support_mm, asked.counterweight_mm, radians(asked.tilt_deg))
-    found = dynamic_counterweights(chassis, balancing.mounted[number].mechanism)
-    static = static_counterweight_kg(chassis, asked.slider_kg, asked.weight_kg, asked.weight_lever_mm)
+    chassis = frame.Chassis(asked.support_mm, asked.counterweight_mm, radians(asked.tilt_deg))
+    found = frame.dynamic_counterweights(chassis, balancing.mounted[number].mechanism)
+    static = frame.static_counterweight_kg(chassis, asked.slider_kg, asked.weight_kg, asked.weight_lever_mm)
     return {
         "against_inertia_retracted_kg": found.retracted_kg,
         "against_inertia_extended_kg": found.extended_kg,

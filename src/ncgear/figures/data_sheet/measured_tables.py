@@ -8,10 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ncgear.figures.csv_text import csv_text
-from ncgear.figures.numbers import drawn, shown, to_digits
-from ncgear.figures.quantities import told
-from ncgear.figures.tables import Column, Table, Value, cell_text, columns_of
+from ncgear.figures.numbers import drawn, shown, to_digits, told
+from ncgear.figures.tables import Column, Table, Value, cell_text, columns_of, csv_text
 from ncgear.metrology.cut_by import CutBy
 from ncgear.metrology.pins import Misfit, TwoPins, over_two_pins
 from ncgear.metrology.span import MeasuredSpans

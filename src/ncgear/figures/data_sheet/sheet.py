@@ -12,8 +12,7 @@ from ncgear.design.keys.gears import PROFILES
 from ncgear.errors import DesignError
 from ncgear.figures.data_sheet.entries import SheetEntry, bodies, of_both, passed_rows, tolerances
 from ncgear.figures.data_sheet.measured_tables import TITLE, band_table, cut_table, pin_tables, pitch_table, span_table
-from ncgear.figures.numbers import micrometres, shown, to_digits
-from ncgear.figures.quantities import OF_GEAR, told
+from ncgear.figures.numbers import OF_GEAR, micrometres, shown, to_digits, told
 from ncgear.figures.tables import Cells, Table, Value, cell_text, columns_of, markdown, markdown_text
 from ncgear.frozen import dataclass
 from ncgear.pitch.curve import PitchCurve
@@ -75,7 +74,7 @@ def data_sheet(pair: Drive) -> DataSheet:
     }
     for number, gear in enumerate(Gear):
         for name, of in (("Span of", span_table), ("Pins in", pin_tables)):
-            tables[f"{name} the {gear.value} gear"] = partial(_of_one, pair, number, of)
+            tables[f"{name} the {gear.value} gear"] = partial(lambda of, number: of(pair.measured[number]), of, number)
     told = tuple(table for title, of in tables.items() for table in tables_or_why(title, of))
     return DataSheet(pair.title, tuple(group for group in groups if group.entries), told)
 
@@ -108,10 +107,6 @@ def tables_or_why(title: str, tables: Callable[[], tuple[Table, ...]]) -> tuple[
 def rows_found(tables: Callable[[], tuple[Table, ...]]) -> list[Cells]:
     """The rows of tables; none where they could not be computed."""
     return [row for table in tables_or_why("", tables) for row in table.rows]
-
-
-def _of_one(pair: Drive, number: int, tables: Callable[[GearMeasures], tuple[Table, ...]]) -> tuple[Table, ...]:
-    return tables(pair.measured[number])
 
 
 def sizes(drive: Drive) -> Iterator[SheetEntry]:

@@ -8,8 +8,7 @@ from typing import Any
 
 from ncgear.design.keys.machine import Published
 from ncgear.figures.advice.verdict import KnownParts, Verdict, judged
-from ncgear.figures.numbers import fixed, shown, to_digits
-from ncgear.figures.quantities import name_of
+from ncgear.figures.numbers import fixed, name_of, shown, to_digits
 from ncgear.figures.tables import Column, Table
 from ncgear.figures.wished import motion_summary, wish_rows
 from ncgear.kinematics.check import KinematicCheck, peak_figures

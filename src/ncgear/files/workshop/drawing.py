@@ -259,8 +259,7 @@ def _contours(area: BaseGeometry) -> tuple[Shape, ...]:
 
 def _points(ring: BaseGeometry) -> Array:
     """A ring's points, first point not repeated."""
-    points: Array = shapely.get_coordinates(ring)[:-1]
-    return points
+    return shapely.get_coordinates(ring)[:-1]
 
 
 def pitch_points(curve: PitchCurve, tolerance_mm: float) -> Array:

@@ -22,7 +22,7 @@ from ncgear.optimum.certified.problem import LimitProblem
 from ncgear.optimum.certified.proof import Linear, least
 from ncgear.optimum.certified.ranges import cells_that_matter, rows_of_places
 from ncgear.optimum.certified.refusals import refusal, refuse_ratios, turning_point
-from ncgear.optimum.certified.time_rows import needs_times
+from ncgear.optimum.certified.rows import needs_times
 from ncgear.optimum.certified.tree import Effort, Solved, Trials, TriedMotion, bisected, motion_along
 from ncgear.optimum.task import Task
 

@@ -12,8 +12,8 @@ Let phi2 be the crank's angle, s = dphi2/dphi1, q = s^2, primes by phi2.  The va
 The relations are known from the time-optimal control of a path (Verscheure et al., "Time-optimal path tracking for
 robots: a convex optimization approach", IEEE Trans. Automat. Contr. 54 (2009), who use q as well).
 
-``curve_rows`` adds the shape of the pitch curves, ``time_rows`` the times of cells; ``problem.motion_programme`` puts a
-programme together.
+``rows`` adds the shape of the pitch curves, the times of cells and the load of flanks; ``problem.motion_programme``
+puts a programme together.
 """
 
 from __future__ import annotations

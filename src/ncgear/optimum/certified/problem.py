@@ -9,13 +9,11 @@ from math import inf, isinf, sqrt
 from typing import Any
 
 from ncgear.frozen import dataclass
-from ncgear.optimum.certified.curve_rows import follow_driving_curve, limit_bulge, limit_driving_curve, limit_lean
+from ncgear.optimum.certified import rows
 from ncgear.optimum.certified.cycle import CrankCycle
 from ncgear.optimum.certified.demands import PEAKS, Demands, NearMotion, Priced, Ranges
-from ncgear.optimum.certified.flank_rows import limit_flank_load
 from ncgear.optimum.certified.motion import MotionProgramme
 from ncgear.optimum.certified.proof import least
-from ncgear.optimum.certified.time_rows import least_times, limit_times, needs_times, take_time
 from ncgear.optimum.task import Task
 
 
@@ -45,22 +43,22 @@ def motion_programme(
     made.limit_acceleration(with_peak)
     made.limit_power(powers_w)
     if asked.convex:
-        limit_bulge(made)
+        rows.limit_bulge(made)
     if not isinf(asked.steepness):
-        limit_lean(made)
+        rows.limit_lean(made)
     if isinstance(curve, Ranges):
         if asked.convex:
-            limit_driving_curve(made, curve)
-        if closed and needs_times(task, asked):
-            limit_times(made, curve)
+            rows.limit_driving_curve(made, curve)
+        if closed and rows.needs_times(task, asked):
+            rows.limit_times(made, curve)
     if isinstance(curve, NearMotion):
-        follow_driving_curve(made, curve)
+        rows.follow_driving_curve(made, curve)
     made.limit_speeds()
     made.limit_decelerations()
     made.limit_energies()
-    limit_flank_load(made, curve if isinstance(curve, Ranges) else None)
-    least_times(made)
-    take_time(made, closed)
+    rows.limit_flank_load(made, curve if isinstance(curve, Ranges) else None)
+    rows.least_times(made)
+    rows.take_time(made, closed)
     return made
 
 

@@ -12,19 +12,8 @@ from operator import add
 import numpy as np
 
 from ncgear.frozen import dataclass
+from ncgear.optimum.certified import limit
 from ncgear.optimum.certified.demands import Demands, NearMotion, Priced, Ranges
-from ncgear.optimum.certified.limit import (
-    BISECTED,
-    Bound,
-    Motion,
-    least_acceleration,
-    least_of,
-    least_power,
-    motion_of,
-    problem_of,
-    q_of,
-    tried,
-)
 from ncgear.optimum.certified.motion import MOST_ACCELERATION, MotionProgramme
 from ncgear.optimum.certified.problem import LimitProblem, motion_programme
 from ncgear.optimum.certified.proof import Linear, least
@@ -57,7 +46,7 @@ class PeakWeights:
 
 def least_weighted_sum(
     task: Task, asked: Demands, weights: PeakWeights, places: int | None = None, tolerance: float = TOLERANCE
-) -> Bound:
+) -> limit.Bound:
     """Least weighted sum of both peaks; demands on the two peaks themselves are ignored.
 
     The programme has the square of the power P.  Between P1 and P2 the chord, (P^2 + P1 P2)/(P1 + P2), is at most P.
@@ -65,11 +54,11 @@ def least_weighted_sum(
     sum found.  The driving curve is left free.  Raises NoSuchMechanism as ``least_acceleration`` does.
     """
     free = replace(asked, acceleration_mm_s2=inf, power_w=inf)
-    problem = problem_of(task, free, places)
+    problem = limit.problem_of(task, free, places)
     if task.masses is not None:
         return _sum_with_masses(problem, weights, tolerance)
-    least_w = least_power(task, free, places, proven=False).value
-    fastest = least_acceleration(task, free, places, proven=False)
+    least_w = limit.least_power(task, free, places, proven=False).value
+    fastest = limit.least_acceleration(task, free, places, proven=False)
     # At the places no motion within the ratios has more power
     top = problem.programme().power_unit_w / asked.ratio_min
     best, motion = inf, fastest.motion
@@ -91,7 +80,7 @@ def least_weighted_sum(
             power = unit * sqrt(max(float(answer.near[made.power_squared.columns[0, 0]]), 0.0))
             total = weights.per_mm_s2 * peak + weights.per_w * power
             if total < best:
-                best, motion = total, motion_of(problem.on, q_of(made.q, answer.near))
+                best, motion = total, limit.motion_of(problem.on, limit.q_of(made.q, answer.near))
 
     add(least_w, top)
     for _ in range(MOST_SPLITS):
@@ -102,22 +91,22 @@ def least_weighted_sum(
         middle = sqrt(low * high) if low > 0.0 else high / 2.0
         add(low, middle)
         add(middle, high)
-    return Bound(queue[0][0], problem.on.count, motion)
+    return limit.Bound(queue[0][0], problem.on.count, motion)
 
 
-def _sum_with_masses(problem: LimitProblem, weights: PeakWeights, tolerance: float) -> Bound:
+def _sum_with_masses(problem: LimitProblem, weights: PeakWeights, tolerance: float) -> limit.Bound:
     """The least sum by intervals of powers with known least accelerations at their ends."""
     task, asked = problem.task, problem.asked
-    low = least_of(task, asked, "power_w").value
+    low = limit.least_of(task, asked, "power_w").value
 
-    def acceleration(power_w: float) -> Bound:
+    def acceleration(power_w: float) -> limit.Bound:
         made = problem.under(power_w=power_w).programme(with_peak=True)
-        found = tried(made, made.acceleration, lambda value: value)
-        near = None if found.q is None else motion_of(problem.on, found.q)
-        return Bound(min(found.value, MOST_ACCELERATION) * made.acceleration_unit_mm_s2, problem.on.count, near)
+        found = limit.tried(made, made.acceleration, lambda value: value)
+        near = None if found.q is None else limit.motion_of(problem.on, found.q)
+        return limit.Bound(min(found.value, MOST_ACCELERATION) * made.acceleration_unit_mm_s2, problem.on.count, near)
 
     free = acceleration(inf)
-    powers, found = [low], [acceleration(low * (1.0 + BISECTED))]
+    powers, found = [low], [acceleration(low * (1.0 + limit.BISECTED))]
     while powers[-1] < 1e3 * low and found[-1].value > free.value * (1.0 + tolerance):
         powers.append(powers[-1] * (1.0 + 4.0 * tolerance))
         found.append(acceleration(powers[-1]))
@@ -127,13 +116,18 @@ def _sum_with_masses(problem: LimitProblem, weights: PeakWeights, tolerance: flo
         weights.per_mm_s2 * max(end.value, 0.0) + weights.per_w * power for power, end in zip(powers, ends, strict=True)
     ]
     best = int(np.argmin(sums))
-    return Bound(sums[best], problem.on.count, ends[best].motion)
+    return limit.Bound(sums[best], problem.on.count, ends[best].motion)
 
 
 # Numbers beyond all size prove nothing, and are no fault
 @np.errstate(over="ignore", invalid="ignore")
 def raised(
-    task: Task, asked: Demands, prices: Mapping[str, float], law: Mapping[str, float], motion: Motion, budget: Budget
+    task: Task,
+    asked: Demands,
+    prices: Mapping[str, float],
+    law: Mapping[str, float],
+    motion: limit.Motion,
+    budget: Budget,
 ) -> tuple[float, Effort]:
     """A certain least sum of priced figures, by their names in ``Demands``, and the effort of its proof.
 
@@ -157,10 +151,10 @@ def _raised_on(
     asked: Demands,
     prices: Mapping[str, float],
     law: Mapping[str, float],
-    motion: Motion,
+    motion: limit.Motion,
     budget: Budget,
 ) -> tuple[float, Effort]:
-    problem = problem_of(task, asked, places)
+    problem = limit.problem_of(task, asked, places)
     trials, whole = _trials(problem, prices), sum(price * law[name] for name, price in prices.items())
     without = trials.least(None, dict.fromkeys(prices, (0.0, inf)), whole).value
     if without >= whole:
@@ -189,6 +183,6 @@ def _trials(problem: LimitProblem, prices: Mapping[str, float]) -> Trials:
     def least_value(curve: Ranges | NearMotion | None, figures: FigureRanges, below: float) -> TriedMotion:
         made, total = programme(curve, figures, below)
         # No figure is negative
-        return tried(made, total, lambda value: max(value, 0.0) * below)
+        return limit.tried(made, total, lambda value: max(value, 0.0) * below)
 
     return Trials(problem.on, least_value, lambda *motions: programme(*motions)[0], prices)

@@ -55,8 +55,7 @@ class Outline:
         """Centroid of the enclosed area, shape (2,)."""
         after = np.roll(self.corners, -1, axis=0)
         cross = self.corners[:, 0] * after[:, 1] - self.corners[:, 1] * after[:, 0]
-        found: Array = ((self.corners + after) * cross[:, None]).sum(axis=0) / (6.0 * self.area_mm2)
-        return found
+        return ((self.corners + after) * cross[:, None]).sum(axis=0) / (6.0 * self.area_mm2)
 
     @cached_property
     def _lengths(self) -> Array:
@@ -190,8 +189,7 @@ def _on_chord(polygon: Array, start: IndexArray, points: Array) -> Array:
     one, other = polygon[start], polygon[(start + 1) % len(polygon)]
     way = other - one
     share = np.sum((points - one) * way, axis=1) / np.sum(way * way, axis=1)
-    found: Array = one + np.clip(share, 0.0, 1.0)[:, None] * way
-    return found
+    return one + np.clip(share, 0.0, 1.0)[:, None] * way
 
 
 GRID = 25

@@ -42,8 +42,7 @@ class SplineBasis:
     def phi_rad(self) -> Array:
         """The points' polar angles; conditions apply at every ``FINER``-th."""
         total = self.count * PER_COEFFICIENT * FINER
-        angles: Array = tau * np.arange(total) / total
-        return angles
+        return tau * np.arange(total) / total
 
     def at(self, phi_rad: Array, order: int = 0) -> sparse.csr_array:
         """The basis, or a derivative of it, at angles of shape (n,): shape (n, count)."""
@@ -118,8 +117,7 @@ class Rolled:
     def speed_mm(self) -> Array:
         """Arc length per rad."""
         r, r1, _ = self.radius
-        found: Array = np.sqrt(r * r + r1 * r1)
-        return found
+        return np.sqrt(r * r + r1 * r1)
 
     @property
     def length_mm(self) -> float:
@@ -142,15 +140,13 @@ class Rolled:
     def together(self) -> Array:
         """Sum of both curvatures, 1/mm."""
         distance = self.center_distance_mm
-        found: Array = distance / (self.speed_mm * (distance - self.radius[0]))
-        return found
+        return distance / (self.speed_mm * (distance - self.radius[0]))
 
     @cached_property
     def turned(self) -> Array:
         """How fast the mate turns."""
         r = self.radius[0]
-        found: Array = r / (self.center_distance_mm - r)
-        return found
+        return r / (self.center_distance_mm - r)
 
     @cached_property
     def speed_rows(self) -> sparse.csr_array:
@@ -178,8 +174,7 @@ class Rolled:
     def together_by_distance(self) -> Array:
         """Slope of the sum of both curvatures by the centre distance, shape (m,)."""
         distance = self.center_distance_mm
-        found: Array = self.together * (1.0 / distance - 1.0 / (distance - self.radius[0]))
-        return found
+        return self.together * (1.0 / distance - 1.0 / (distance - self.radius[0]))
 
     def points(self) -> tuple[Array, Array]:
         """Points of the curve in the drawing and outward normals there, shape (p, 2) each."""
@@ -203,8 +198,7 @@ class Rolled:
     def mate_points(self) -> Array:
         """Points of the mate's curve about its own axis, shape (p, 2); the first faces the first point of the curve."""
         r, _, angle = self._mate_fine
-        found: Array = (self.center_distance_mm - r)[:, None] * rays(pi - angle)[0]
-        return found
+        return (self.center_distance_mm - r)[:, None] * rays(pi - angle)[0]
 
     def mate_in_drawing(self) -> tuple[Array, Array]:
         """Points of the mate's curve in its drawing of the pair's size, and outward normals, shape (p, 2) each."""
@@ -243,14 +237,12 @@ class Rolled:
     def arc_mm(self) -> Array:
         """Arc length at the places, by the rectangle about each."""
         steps = self.speed_mm * (tau / len(self.speed_mm))
-        found: Array = np.cumsum(steps) - steps / 2.0
-        return found
+        return np.cumsum(steps) - steps / 2.0
 
     def apart_mm(self, at_mm: Array) -> Array:
         """Distance along the curve from each place to arc lengths of shape (k,), the shorter way: shape (m, k)."""
         away = np.abs(self.arc_mm[:, None] - at_mm[None, :])
-        found: Array = np.minimum(away, self.length_mm - away)
-        return found
+        return np.minimum(away, self.length_mm - away)
 
     @cached_property
     def mean_over_window(self) -> sparse.csr_array:
@@ -275,8 +267,7 @@ def _deconvolved(values: Array, first: Array) -> Array:
     """Coefficients c with values[k] = sum over j of first[j] c[k + j], around the ring."""
     kernel = np.conj(np.fft.fft(first))
     kernel = kernel if values.ndim == 1 else kernel[:, None]
-    found: Array = np.fft.ifft(np.fft.fft(values, axis=0) / kernel, axis=0).real
-    return found
+    return np.fft.ifft(np.fft.fft(values, axis=0) / kernel, axis=0).real
 
 
 def rays(phi_rad: Array) -> tuple[Array, Array]:

@@ -20,15 +20,7 @@ from ncgear.numerics.jet import Jet
 from ncgear.numerics.proven import proven, smooth_parts
 from ncgear.numerics.tape import NotReal
 from ncgear.numerics.units import in_words
-from ncgear.ratio.laws.integrated import (
-    NEARLY_CLOSED,
-    Slope,
-    closing_lobes,
-    integrated_law,
-    refuse_without_turn,
-    smooth_or_refused,
-    stretched,
-)
+from ncgear.ratio.laws import integrated
 from ncgear.ratio.transmission import JetFunction, Lobes, OpenRange, Piece, Transmission
 
 NO_JUMP = 1e-9
@@ -41,7 +33,7 @@ def ratio_expression_law(text: str, lobes: Lobes, *, scale_to_close: bool) -> Tr
     parts = _parts(composed(text, key, "phi"), lobes, key)
     _refuse_jumps([(start, end, partial(by_angle, ratio)) for start, end, ratio in parts], "the ratio", lobes, key)
     slopes = [_inverse(ratio, start, end, key) for start, end, ratio in parts]
-    return integrated_law(slopes, lobes, scale_to_close=scale_to_close, key=key)
+    return integrated.integrated_law(slopes, lobes, scale_to_close=scale_to_close, key=key)
 
 
 def open_ratio_law(text: str, driving_rad: float) -> Transmission:
@@ -51,8 +43,8 @@ def open_ratio_law(text: str, driving_rad: float) -> Transmission:
     _refuse_jumps([(start, end, partial(by_angle, ratio)) for start, end, ratio in parts], "the ratio", None, key)
     slopes = [_inverse(ratio, start, end, key) for start, end, ratio in parts]
     starts = np.cumsum([0.0, *(slope.integral.final for slope in slopes)])
-    pieces = tuple(stretched(slope, float(start), 1.0) for slope, start in zip(slopes, starts, strict=False))
-    refuse_without_turn(float(starts[-1]), "range", key)
+    pieces = tuple(integrated.stretched(slope, float(start), 1.0) for slope, start in zip(slopes, starts, strict=False))
+    integrated.refuse_without_turn(float(starts[-1]), "range", key)
     return Transmission(pieces, OpenRange(driving_rad=driving_rad, driven_rad=float(starts[-1])))
 
 
@@ -78,10 +70,10 @@ def driven_angle_expression_law(text: str, lobes: Lobes) -> Transmission:
     _refuse_jumping_angle(parts, key)
     _refuse_jumps([(start, end, _slope_of(angle)) for start, end, angle in parts], "dphi2/dphi1", lobes, key)
     start, end = _value(parts[0][2], 0.0), _value(parts[-1][2], lobes.driving_period_rad)
-    if not abs(end - start - lobes.driven_period_rad) <= NEARLY_CLOSED * lobes.driven_period_rad:
+    if not abs(end - start - lobes.driven_period_rad) <= integrated.NEARLY_CLOSED * lobes.driven_period_rad:
         raise NoSuchMechanism(
             f"the cycle does not close: the driven angle grows by {end - start:.12g} rad over a cycle, "
-            f"and must grow by {lobes.driven_period_rad:.12g}{closing_lobes(end - start, lobes)}",
+            f"and must grow by {lobes.driven_period_rad:.12g}{integrated.closing_lobes(end - start, lobes)}",
             key=key,
         )
     factor = lobes.driven_period_rad / (end - start)
@@ -93,29 +85,29 @@ _Part = tuple[float, float, Formula]
 
 
 def _parts(formula: Formula, lobes: Lobes, key: str) -> list[_Part]:
-    with smooth_or_refused(key):
+    with integrated.smooth_or_refused(key):
         return smooth_parts(formula, 0.0, lobes.driving_period_rad)
 
 
 def _open_parts(text: str, driving_rad: float, key: str) -> list[_Part]:
-    with smooth_or_refused(key):
+    with integrated.smooth_or_refused(key):
         return smooth_parts(composed(text, key, "phi"), 0.0, driving_rad)
 
 
-def _inverse(ratio: Formula, start: float, end: float, key: str) -> Slope:
+def _inverse(ratio: Formula, start: float, end: float, key: str) -> integrated.Slope:
     """The slope 1/i12 of a ratio."""
     try:
         inverse = ratio.reciprocal()
     except NotReal:
         raise NoSuchMechanism("the ratio is zero; it must be positive over the whole cycle", key=key) from None
-    with smooth_or_refused(key):
-        return Slope(partial(by_angle, inverse), proven(inverse, start, end).integrated())
+    with integrated.smooth_or_refused(key):
+        return integrated.Slope(partial(by_angle, inverse), proven(inverse, start, end).integrated())
 
 
 def _angle_piece(part: _Part, zero: float, factor: float, key: str) -> Piece:
     """A stretch of a driven angle; its knots are the breaks that resolve its slope."""
     start, end, angle = part
-    with smooth_or_refused(key):
+    with integrated.smooth_or_refused(key):
         knots = proven(angle.derivative(), start, end).breaks[1:-1]
     return Piece(start, end, partial(formula_angle, angle, zero, factor), tuple(knots.tolist()))
 

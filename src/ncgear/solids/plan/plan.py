@@ -19,15 +19,7 @@ from shapely.geometry.base import BaseGeometry
 from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad
-from ncgear.solids.plan.areas import (
-    TooThick,
-    floored,
-    largest_fitting,
-    moved_inwards,
-    moved_outwards,
-    polygons,
-    said_largest,
-)
+from ncgear.solids.plan import areas
 from ncgear.solids.plan.body import (
     ArcSlot,
     Blank,
@@ -76,8 +68,10 @@ def web_of(disc: Polygon, cuts: Sequence[Array], size: WebSize, module_mm: float
     pockets = _pockets(disc, around, size.rim_mm, corner, tolerance_mm)
     if pockets:
         return Web(size.thickness_mm, tuple(pockets))
-    largest = largest_fitting(lambda rim: bool(_pockets(disc, around, rim, corner, tolerance_mm)), 0.0, size.rim_mm)
-    right = said_largest(largest, "there is none beside any rim; a smaller hub_mm or a larger gear is needed")
+    largest = areas.largest_fitting(
+        lambda rim: bool(_pockets(disc, around, rim, corner, tolerance_mm)), 0.0, size.rim_mm
+    )
+    right = areas.said_largest(largest, "there is none beside any rim; a smaller hub_mm or a larger gear is needed")
     problem = f"a rim of {size.rim_mm:g} mm leaves no room for a pocket beside a hub of {size.hub_mm:g} mm; {right}"
     raise WrongInput(problem, key=f"{key}.web.rim_mm")
 
@@ -94,7 +88,7 @@ def _pockets(disc: Polygon, kept: BaseGeometry, rim: float, corner: float, toler
     inside = disc.buffer(-rim - corner - 2.0 * tolerance, quad_segs=quarter_chords(rim + corner, tolerance))
     quarter = quarter_chords(corner, tolerance)
     room = inside.difference(kept.buffer(corner + 2.0 * tolerance, quad_segs=quarter)).buffer(corner, quad_segs=quarter)
-    return polygons(shapely.simplify(room, tolerance / 2.0))
+    return areas.polygons(shapely.simplify(room, tolerance / 2.0))
 
 
 def quarter_chords(radius_mm: float, tolerance_mm: float) -> int:
@@ -112,9 +106,9 @@ def lightening_holes(room: BaseGeometry, asked: HoleSet, tolerance_mm: float, ke
     if wanted is not None and (places := _places(room, asked, wanted, tolerance_mm)) is not None:
         return _holes(places, wanted)
     most = wanted if wanted is not None else float(np.abs(room.bounds).max()) if not room.is_empty else 0.0
-    largest = largest_fitting(lambda size: _places(room, asked, size, tolerance_mm) is not None, 0.0, most)
+    largest = areas.largest_fitting(lambda size: _places(room, asked, size, tolerance_mm) is not None, 0.0, most)
     if wanted is None and largest >= USEFUL_MM:
-        size = floored(largest)
+        size = areas.floored(largest)
         places = _places(room, asked, size, tolerance_mm)
         assert places is not None
         return _holes(places, size)
@@ -129,7 +123,7 @@ def _without_room(asked: HoleSet, largest: float, key: str) -> WrongInput:
     given = asked.diameter_mm is not None
     named = f"{asked.count} holes of {asked.diameter_mm:g} mm" if given else f"{asked.count} holes"
     helps = "fewer holes, thinner walls, or a smaller hub are needed"
-    right = said_largest(largest, f"none fit; {helps}")
+    right = areas.said_largest(largest, f"none fit; {helps}")
     if 0.0 < largest < USEFUL_MM:
         right = f"{right}, and under {USEFUL_MM:g} mm holes take off next to nothing; {helps}"
     problem = f"{named} do not keep walls of {asked.wall_mm:g} mm to every edge and to each other; {right}"
@@ -190,7 +184,7 @@ def planned(
         )
         return _with_kerf(finished, -blank.clearance_mm)
     if blank.clearance_mm > 0.0:
-        disc = moved_inwards(disc, blank.clearance_mm, tolerance_mm, CLEARANCE_KEY)
+        disc = areas.moved_inwards(disc, blank.clearance_mm, tolerance_mm, CLEARANCE_KEY)
     return planned_within(disc, disc, blank, direction_rad, module_mm, tolerance_mm, key)
 
 
@@ -279,18 +273,18 @@ def _with_kerf(plan: BodyPlan, half_mm: float) -> BodyPlan:
         width, name = min(openings)
         largest, right = width / 2.0, f"over {-width / 2.0:g} mm is right"
         try:
-            moved_outwards(plan.disc, largest, plan.chord_tolerance_mm, CLEARANCE_KEY)
-        except TooThick as narrower:
+            areas.moved_outwards(plan.disc, largest, plan.chord_tolerance_mm, CLEARANCE_KEY)
+        except areas.TooThick as narrower:
             largest = narrower.largest_mm
-            right = f"{-floored(largest):.10g} mm is the most" if largest > 0.0 else "no kerf is right"
-        raise TooThick(
+            right = f"{-areas.floored(largest):.10g} mm is the most" if largest > 0.0 else "no kerf is right"
+        raise areas.TooThick(
             f"a kerf of {2.0 * half_mm:g} mm does not go into {name} of {width:g} mm; {right}",
             key=CLEARANCE_KEY,
             largest_mm=largest,
         )
     return replace(
         plan,
-        disc=moved_outwards(plan.disc, half_mm, plan.chord_tolerance_mm, CLEARANCE_KEY),
+        disc=areas.moved_outwards(plan.disc, half_mm, plan.chord_tolerance_mm, CLEARANCE_KEY),
         bore=plan.bore.widened(-half_mm) if plan.bore else None,
         index_hole=_narrowed(plan.index_hole, half_mm) if plan.index_hole else None,
         lightening_holes=tuple(_narrowed(hole, half_mm) for hole in plan.lightening_holes),
@@ -324,7 +318,7 @@ def planned_ring(outline_mm: Array, blank: RingBlank, module_mm: float, toleranc
     # The clearance is taken off the teeth only: a ring thicker by the clearance keeps its circle.
     disc = ring_section(outline_mm, blank.rim_mm + clearance, tolerance_mm)
     if clearance > 0.0:
-        disc = moved_inwards(disc, clearance, tolerance_mm, CLEARANCE_KEY)
+        disc = areas.moved_inwards(disc, clearance, tolerance_mm, CLEARANCE_KEY)
     direction = meeting_direction_rad(Gear.DRIVEN, Mesh.INTERNAL)
     plan = BodyPlan(
         disc,

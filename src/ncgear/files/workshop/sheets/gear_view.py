@@ -16,17 +16,9 @@ from ncgear.figures.data_sheet.measured_tables import allowed_texts, two_pin_tab
 from ncgear.figures.data_sheet.sheet import rows_found
 from ncgear.figures.numbers import drawn
 from ncgear.files.workshop.drawing import Circle, Cross, Layer, body_shapes
+from ncgear.files.workshop.sheets import body
 from ncgear.files.workshop.sheets import sheet as paper
 from ncgear.files.workshop.sheets.board import LENGTHS_MM, Board, centered
-from ncgear.files.workshop.sheets.body import (
-    BodySection,
-    PaperView,
-    drawn_body,
-    drawn_holes,
-    drawn_shape,
-    section_of,
-    tooth_places,
-)
 from ncgear.files.workshop.sheets.frame import Box
 from ncgear.files.workshop.sheets.sheet import Anchor, Dimension, Item, Measured, Pen, Ring, SheetLine, Text
 from ncgear.numerics.arrays import Array, Mask
@@ -66,10 +58,10 @@ def turns_crank(drive: Drive) -> bool:
     return drive.linkage.HAS_CRANK and drive.stage in (None, drive.design.stages)
 
 
-def gear_views(drive: Drive, measured: GearMeasures, plan: BodyPlan, area: Box) -> tuple[PaperView, list[Item]]:
+def gear_views(drive: Drive, measured: GearMeasures, plan: BodyPlan, area: Box) -> tuple[body.PaperView, list[Item]]:
     """The gear from above and its section to the right, as large as there is room for."""
     low, high = np.split(np.array(plan.disc.bounds), 2)
-    section = section_of(plan)
+    section = body.section_of(plan)
     size = high - low
 
     def fits(scale: float) -> bool:
@@ -80,7 +72,7 @@ def gear_views(drive: Drive, measured: GearMeasures, plan: BodyPlan, area: Box) 
     spare = area.width - scale * (size[0] + section.height_mm) - 2.0 * SIDE_MM - CUT_MM
     x = area.left + spare / 2.0 + SIDE_MM - scale * low[0]
     y = (area.low + area.high) / 2.0 - scale * (low[1] + high[1]) / 2.0
-    view = PaperView(scale, (float(x), float(y)))
+    view = body.PaperView(scale, (float(x), float(y)))
     right = float(x + scale * high[0] + SIDE_MM + spare / 2.0)
     board = Board((area.left, area.low, right, area.high))
     board.add(Text(CAPTION, (area.left, area.low + 1.0)))
@@ -90,14 +82,14 @@ def gear_views(drive: Drive, measured: GearMeasures, plan: BodyPlan, area: Box) 
     return view, [*board.items, *cut.items]
 
 
-def _draw_gear(board: Board, drive: Drive, measured: GearMeasures, plan: BodyPlan, view: PaperView) -> None:
+def _draw_gear(board: Board, drive: Drive, measured: GearMeasures, plan: BodyPlan, view: body.PaperView) -> None:
     """The gear from above, its numbers first, then other items where there is room."""
     gear, module = measured.gear, drive.pitch.size.module_mm
-    board.add(*drawn_body(drive, gear, plan, view, "outline"))
-    board.keep_clear(drawn_holes(plan, view))
+    board.add(*body.drawn_body(drive, gear, plan, view, "outline"))
+    board.keep_clear(body.drawn_holes(plan, view))
     # The mark of the axis is a little longer than the bore.
     mark_mm = 2.0 * module if plan.bore is None else 1.25 * plan.bore.diameter_mm
-    board.add(*drawn_shape(Cross(0.0, 0.0, mark_mm), view, Pen.CHAIN))
+    board.add(*body.drawn_shape(Cross(0.0, 0.0, mark_mm), view, Pen.CHAIN))
     _mark_plane(board, plan, view)
     for words, own_rad in _directions(drive, gear):
         way, outer = np.array([cos(own_rad), sin(own_rad)]), shapely.get_coordinates(plan.disc.exterior)[:-1]
@@ -114,7 +106,7 @@ def _draw_gear(board: Board, drive: Drive, measured: GearMeasures, plan: BodyPla
     draw_turning(board, view, sense, free_radius_mm(plan, view))
 
 
-def _mark_plane(board: Board, plan: BodyPlan, view: PaperView) -> None:
+def _mark_plane(board: Board, plan: BodyPlan, view: body.PaperView) -> None:
     """The plane of the section A-A, by its ends over and under the gear, with arrows in the direction of view."""
     _, low, _, high = plan.disc.bounds
     for y, sense in ((low, -1.0), (high, 1.0)):
@@ -127,16 +119,16 @@ def _mark_plane(board: Board, plan: BodyPlan, view: PaperView) -> None:
         board.add(Text("A", (x - 3.5, float(end[1]) - 1.2), letter_mm=paper.TITLE_MM))
 
 
-def number_teeth(board: Board, gear: ToothedGear, view: PaperView, name: str, *, fifths: bool = False) -> None:
+def number_teeth(board: Board, gear: ToothedGear, view: body.PaperView, name: str, *, fifths: bool = False) -> None:
     """The number of every tooth inside its root, or outside its tip, nearest to the middle of that tooth.
 
     Where teeth stand close on paper, and with ``fifths``, the first and every fifth have numbers.
     """
     addendum = gear.flanks.rack.addendum_mm
-    heights = [view.on_paper(tooth_places(gear, height)) for height in (0.0, addendum, -addendum)]
+    heights = [view.on_paper(body.tooth_places(gear, height)) for height in (0.0, addendum, -addendum)]
     trees = [KDTree(places) for places in heights]
     middles = heights[0]
-    over = view.on_paper(tooth_places(gear, 1.0)) - middles
+    over = view.on_paper(body.tooth_places(gear, 1.0)) - middles
     outwards = over / np.hypot(*over.T)[:, None]
     teeth = len(middles)
     apart = gear.flanks.curve.length_mm * view.scale / (gear.flanks.count // 2)
@@ -167,7 +159,7 @@ MOST_PAIRS = 40
 """Most pairs of pins that are tried: between pairs a few degrees apart, none has room where these have none."""
 
 
-def _draw_pins(board: Board, measured: GearMeasures, view: PaperView) -> None:
+def _draw_pins(board: Board, measured: GearMeasures, view: body.PaperView) -> None:
     """Two pins with the dimension over them, on the left or the right; the most upright pair with room is drawn.
 
     The text of the dimension is that of the table of measurements, with limits where it has limits.
@@ -200,7 +192,7 @@ def _draw_pins(board: Board, measured: GearMeasures, view: PaperView) -> None:
     board.put_dimension(tried())
 
 
-def _point_at_holes(board: Board, drive: Drive, plan: BodyPlan, view: PaperView) -> None:
+def _point_at_holes(board: Board, drive: Drive, plan: BodyPlan, view: body.PaperView) -> None:
     """A leader with the diameter to every kind of round holes."""
     for layer, shapes in body_shapes(plan).items():
         if layer in (Layer.RIM, Layer.HUB, Layer.BORE):
@@ -229,7 +221,7 @@ AROUND_RAD = tuple(np.radians([45.0, -45.0, 20.0, -20.0, 70.0, -70.0, 100.0, -10
 
 
 def point_at_circle(
-    board: Board, view: PaperView, holes: Sequence[Circle], words: str, direction_rad: float = 0.0
+    board: Board, view: body.PaperView, holes: Sequence[Circle], words: str, direction_rad: float = 0.0
 ) -> None:
     """The shortest leader with room to the edge of one of several holes, as a dimension of its diameter.
 
@@ -248,7 +240,7 @@ def point_at_circle(
                     return
 
 
-def _point_at_tip(board: Board, plan: BodyPlan, view: PaperView, radius_mm: float) -> None:
+def _point_at_tip(board: Board, plan: BodyPlan, view: body.PaperView, radius_mm: float) -> None:
     """A dimension that points from outside at the greatest radius, or at the outer radius of a ring."""
     outer = shapely.get_coordinates(plan.disc.exterior)
     tips = [outer[int(np.argmax(np.hypot(*outer.T)))]]
@@ -276,7 +268,7 @@ def _directions(drive: Drive, gear: Gear) -> list[tuple[str, float]]:
     return [("mesh", meeting), (drive.linkage.CRANK, crank)]
 
 
-def free_radius_mm(plan: BodyPlan, view: PaperView) -> float:
+def free_radius_mm(plan: BodyPlan, view: body.PaperView) -> float:
     """Radius on paper of an arc about the axis outside bore and hub."""
     about = max([plan.bore.reach_mm if plan.bore else 0.0, plan.hub.diameter_mm / 2.0 if plan.hub else 0.0])
     return max(view.scale * about + 2.5, LEAST_TURNING_MM)
@@ -286,7 +278,7 @@ TURNING_RAD, LEAST_TURNING_MM = radians(100.0), 5.0
 """Angle of an arc that shows the sense of turning, and its least radius on paper."""
 
 
-def draw_turning(board: Board, view: PaperView, sense: float, least_mm: float) -> None:
+def draw_turning(board: Board, view: body.PaperView, sense: float, least_mm: float) -> None:
     """An arc with an arrow about the axis for the sense of turning, where it crosses no text."""
     axis = view.on_paper(np.zeros(2))
     for radius in least_mm + np.arange(0.0, 12.0, 1.0):
@@ -302,7 +294,7 @@ def draw_turning(board: Board, view: PaperView, sense: float, least_mm: float) -
                 return
 
 
-def _draw_section(board: Board, section: BodySection, view: PaperView, left: float) -> None:
+def _draw_section(board: Board, section: body.BodySection, view: body.PaperView, left: float) -> None:
     """The section A-A with the dimensions of its widths."""
     middle = view.origin[1]
     board.add(*section.lines(view.scale, left, middle))

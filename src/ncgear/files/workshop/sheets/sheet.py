@@ -118,8 +118,7 @@ class Ring:
         """Points of the circle, shape (n, 2)."""
         turned = np.linspace(0.0, 2.0 * pi, 73)[:-1]
         around: Array = np.column_stack([np.cos(turned), np.sin(turned)])
-        points: Array = np.array(self.center) + self.radius * around
-        return points
+        return np.array(self.center) + self.radius * around
 
 
 class Anchor(Enum):
@@ -153,8 +152,7 @@ class Text:
         left = -self.anchor.value * width
         box = np.array([[left, low], [left + width, low], [left + width, high], [left, high]])
         cosine, sine = cos(self.turned_rad), sin(self.turned_rad)
-        corners: Array = np.array(self.place) + box @ np.array([[cosine, sine], [-sine, cosine]])
-        return corners
+        return np.array(self.place) + box @ np.array([[cosine, sine], [-sine, cosine]])
 
 
 class Measured(Enum):

@@ -24,6 +24,7 @@ from ncgear.figures.data_sheet.measured_tables import pitch_table
 from ncgear.figures.numbers import drawn
 from ncgear.figures.tables import Table
 from ncgear.files.workshop.drawing import Cross
+from ncgear.files.workshop.sheets import gear_view
 from ncgear.files.workshop.sheets import sheet as paper
 from ncgear.files.workshop.sheets.board import Board
 from ncgear.files.workshop.sheets.body import PaperView, drawn_body, drawn_holes, drawn_shape, finished, material_of
@@ -39,14 +40,6 @@ from ncgear.files.workshop.sheets.frame import (
     inside,
 )
 from ncgear.files.workshop.sheets.gear_tables import gear_tables
-from ncgear.files.workshop.sheets.gear_view import (
-    draw_turning,
-    free_radius_mm,
-    gear_views,
-    mounting_of,
-    number_teeth,
-    turns_crank,
-)
 from ncgear.files.workshop.sheets.sheet import A4_MM, Anchor, Item, Pen, Sheet, SheetLine, Text
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.mechanism import RodMechanism
@@ -86,12 +79,12 @@ class Layout:
 
 def pair_sheet(drive: Drive) -> Sheet:
     """The sheet of the pair in the pose of phi1 = 0, upright or across, whichever has room for a larger scale."""
-    mounting, plans = mounting_of(drive), {gear: finished(drive, gear) for gear in Gear}
+    mounting, plans = gear_view.mounting_of(drive), {gear: finished(drive, gear) for gear in Gear}
     plain = {gear: PaperView(1.0, mounting.axis_mm(gear), mounting.turn_rad, mounting.hand) for gear in Gear}
     outlines = [plain[gear].on_paper(shapely.get_coordinates(plan.disc)) for gear, plan in plans.items()]
     low, high = np.vstack(outlines).min(axis=0), np.vstack(outlines).max(axis=0)
     scene = Scene(drive.design.name, drive.machine, drive.law.train, (), chamber_of(drive.linkage, drive.machine.load))
-    bodies = dict(_bodies(scene)) if turns_crank(drive) and scene.links else {}
+    bodies = dict(_bodies(scene)) if gear_view.turns_crank(drive) and scene.links else {}
     upright, across = (_layout(size, mechanism=bool(bodies)) for size in (paper.A4_MM, paper.A4_MM[::-1]))
     scale, other = (_scale_in(layout.gears, high - low) for layout in (upright, across))
     layout, scale = (across, other) if other > scale else (upright, scale)
@@ -147,7 +140,7 @@ def _layout(size_mm: tuple[float, float], *, mechanism: bool) -> Layout:
 
 def _gears(drive: Drive, plans: dict[Gear, BodyPlan], views: dict[Gear, PaperView], box: Box) -> list[Item]:
     """Both gears, the line of centres with its length, numbers, marks and senses of turning."""
-    board, mounting = Board(box.bounds), mounting_of(drive)
+    board, mounting = Board(box.bounds), gear_view.mounting_of(drive)
     for gear, view in views.items():
         board.add(*drawn_body(drive, gear, plans[gear], view, f"{gear.value}-outline"))
         board.keep_clear(drawn_holes(plans[gear], view))
@@ -157,9 +150,9 @@ def _gears(drive: Drive, plans: dict[Gear, BodyPlan], views: dict[Gear, PaperVie
     board.add(SheetLine(axes, Pen.CHAIN))
     if all(plans[gear].index_hole for gear in Gear):
         board.add(Text(FACING, (box.left, box.high - paper.LETTER_MM - 1.0)))
-    if drive.stage is not None and not turns_crank(drive):
+    if drive.stage is not None and not gear_view.turns_crank(drive):
         board.add(Text(BEFORE_LAST.format(drive.stage + 1), (box.left, box.high - 2.0 * (paper.LETTER_MM + 1.0) - 1.0)))
-    if turns_crank(drive):
+    if gear_view.turns_crank(drive):
         _draw_crank(
             board, drive, axes[1], np.vstack([item.points for item in board.items if isinstance(item, SheetLine)])
         )
@@ -175,9 +168,9 @@ def _gears(drive: Drive, plans: dict[Gear, BodyPlan], views: dict[Gear, PaperVie
     words = f"{drawn(distance, 'mm')} {distance_text(drive) or ''}".strip()
     board.put_dimension((paper.length(axes, float(apart), words, scale),) for apart in offsets)
     for gear, view in views.items():
-        number_teeth(board, drive.teeth.of(gear), view, gear.value, fifths=True)
+        gear_view.number_teeth(board, drive.teeth.of(gear), view, gear.value, fifths=True)
         sense = mounting.sense(gear)
-        draw_turning(board, view, sense, free_radius_mm(plans[gear], view))
+        gear_view.draw_turning(board, view, sense, gear_view.free_radius_mm(plans[gear], view))
     for number, (gear, view) in enumerate(views.items(), 1):
         _name(board, plans[gear], view, f"{number} {gear.value} gear", list(views.values()))
     return board.items
@@ -228,7 +221,7 @@ def _bodies(scene: Scene) -> Iterator[tuple[str, list[Array]]]:
 
 def _mechanism(drive: Drive, bodies: dict[str, list[Array]], box: Box) -> list[Item]:
     """The mechanism at phi1 = 0 in a scale of its own, with its lengths."""
-    linkage, mounting = drive.linkage, mounting_of(drive)
+    linkage, mounting = drive.linkage, gear_view.mounting_of(drive)
     supports = supports_mm(linkage)
     gears = np.array([mounting.driving_axis_mm, mounting.driven_axis_mm])
     ends = np.array([[linkage.nearest_mm, linkage.offset_mm], [linkage.farthest_mm, linkage.offset_mm]])
@@ -343,7 +336,7 @@ def gear_sheet(drive: Drive, measured: GearMeasures, pitch_radii: Table) -> Shee
     low = frame.low + TITLE_HEIGHT_MM + GAP_MM
     tables = Box(frame.left, low, frame.right, low + TABLES_MM)
     area = Box(frame.left + GAP_MM, tables.high + GAP_MM, frame.right - GAP_MM, frame.high - GAP_MM)
-    view, items = gear_views(drive, measured, plan, area)
+    view, items = gear_view.gear_views(drive, measured, plan, area)
     items += gear_tables(drive, measured, plan, pitch_radii, tables)
     name = drive.title
     titles = Titles(
