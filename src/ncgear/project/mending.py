@@ -29,7 +29,7 @@ from ncgear.pitch.shape import Gear, Mesh
 from ncgear.project.alternatives import (
     Changes,
     changed_drive,
-    changed_gears,
+    changed_part,
     fitted_root_radius,
     is_accepted,
     rack_at,
@@ -399,7 +399,7 @@ def _shifted(drive: Drive) -> list[Changes]:
     from ncgear.teeth.gear import shift_against_undercut
 
     given = drive.gears.profile_shift
-    gears = changed_gears(drive.gears, _fitted(drive))
+    gears = changed_part(drive.gears, _fitted(drive))
     own = given.driving if given.driving is not None else -(given.driven or 0.0)
     sizes = [(pair.pitch, pair.pitch.size.module_mm) for pair in drive.by_stage]
     best = [shift_against_undercut(pitch, gears.rack.in_mm(module)) / module for pitch, module in sizes]
