@@ -64,11 +64,11 @@ def stated_inertias(design: Design) -> list[str]:
 OnTrial = Callable[[int, int], None]
 """Called with the numbers of computed gears so far and at most."""
 
-MOST_COMPUTED = {"resistance": 24, "jam": 24, "masses": 8}
+MOST_COMPUTED = {"resistance": 24, "jam": 24, "masses": 11, "shafts": 8}
 """Most gears that are computed, by the source of their load.  With masses, which include knocks and the gears' bodies,
-they take a second each, else a fifth of it: the search takes ten seconds."""
+they take a second each, twice as long with shafts, else a fifth of it."""
 
-MOST_NARROWED = {"resistance": 16, "jam": 16, "masses": 4}
+MOST_NARROWED = {"resistance": 16, "jam": 16, "masses": 5, "shafts": 4}
 """Most gears of the same teeth that are computed to find the least widths, in half of that time each."""
 
 BEST = 4
@@ -259,6 +259,7 @@ def smallest_gears(drive: Drive, space: GearRoom, on_trial: OnTrial = lambda don
             "material or less load is needed",
             key="gears",
         )
+    found = [search.smallest(one.module_mm, one) or one for one in sorted(found, key=lambda one: one.volume_mm3)]
     least_mm3 = min(one.volume_mm3 for one in found)
     found = sorted((one for one in found if one.volume_mm3 <= GREATER * least_mm3), key=lambda one: one.volume_mm3)
     narrow = [search.narrowed(one) for one in found[:BEST]]
@@ -394,12 +395,17 @@ class _Search:
     @property
     def most_computed(self) -> int:
         """Gears that are computed at most."""
-        return self.most or MOST_COMPUTED[self.computed[0].rating.strength.load]
+        return self.most or MOST_COMPUTED[self._loaded_by]
 
     @property
     def most_narrowed(self) -> int:
         """Gears that are computed at most to find the least widths of gears that hold."""
-        return MOST_NARROWED[self.computed[0].rating.strength.load]
+        return MOST_NARROWED[self._loaded_by]
+
+    @property
+    def _loaded_by(self) -> str:
+        first = self.computed[0]
+        return "shafts" if first.drive.face_loading.basis == "computed" else first.rating.strength.load
 
     def least_volume(self, module_mm: float) -> float:
         """The guessed volume of the smallest gears of a module; infinite without room."""
@@ -460,17 +466,23 @@ class _Search:
                 found = made
         return found
 
-    def smallest(self, module_mm: float) -> Sized | None:
-        """The smallest gears of a module that hold; None where there are none within the space and the effort."""
+    def smallest(self, module_mm: float, best: Sized | None = None) -> Sized | None:
+        """The first gears of a module that hold, or else the smallest besides ``best`` with other numbers of teeth.
+
+        None where there are none within the space and the effort.
+        """
         for _ in range(TRIES):
             tried = {(one.teeth, one.module_mm) for one in self.computed[1:]} | self.weak
             open_ = [(self.volume(z, module_mm), z) for z in self.teeth() if (z, module_mm) not in tried]
             guessed, teeth = min(open_, default=(inf, 0))
-            if guessed == inf:
-                return None
-            if (found := self.widened(teeth, module_mm, ROUGHLY)) is not None:
+            if guessed == inf or (best is not None and guessed > POLISH * self.volume(best.teeth, module_mm)):
+                break
+            found = self.widened(teeth, module_mm, ROUGHLY)
+            if best is None and found is not None:
                 return found
-        return None
+            if best is not None and found is not None and found.volume_mm3 < best.volume_mm3:
+                best = found
+        return best
 
     def widened(self, teeth: int, module_mm: float, near: float = 1.0) -> Sized | None:
         """The narrowest gears of a size that hold, in whole mm; None where they are refused or would be too wide.
