@@ -289,7 +289,7 @@ def test_the_flattest_rack_that_undercuts_no_tooth_is_found(needed: int, steepes
         patch.setattr(alternatives, "rack_at", lambda gears, angle: {"angle": angle})
         patch.setattr(
             alternatives,
-            "changed_gears",
+            "changed_part",
             lambda gears, changes: Made(
                 rack=Made(in_mm=lambda module: Made(shifted=lambda shift: (changes["angle"], shift)))
             ),

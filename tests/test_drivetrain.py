@@ -1063,6 +1063,10 @@ def test_a_gearbox_that_gives_another_speed_is_told(run: Run) -> None:
             "driven_shaft: {bearing_a: {at_mm: -9}, bearing_b: {at_mm: 4.99}}",
             r"driven_shaft\.bearing_b\.at_mm: 4\.99 mm is within the gear.*; -5 or less, or 5 or more, is right",
         ),
+        (
+            "driving_shaft: {bearing_a: {at_mm: -9}, bearing_b: {at_mm: 9}, steel: C45, key: {length_mm: 10.1}}",
+            r"driving_shaft\.key\.length_mm: 10\.1 given, but .* is 10 mm long; 10 or less is right",
+        ),
     ],
 )
 def test_wrong_sections_are_refused(section: str, message: str) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import degrees, log, pi, radians, sin, sqrt
+from math import degrees, inf, log, pi, radians, sin, sqrt
 from types import SimpleNamespace
 from typing import Any
 
@@ -64,19 +64,27 @@ def test_teeth_of_a_law_are_free_of_undercut_by_the_height_of_the_straight_flank
 
 
 @pytest.mark.judges("project")
-@at_once(("given", "width"), [(0.0, 10.0), (0.5, 25.0), (9.0, 39.9), (-1.0, None)])
-def test_a_face_is_as_wide_as_a_usual_backlash_is_enough_for(given: float, width: float | None) -> None:
-    """A face of 40 mm that needs a 50th of its width: what modules of 2 mm may have, or what the file has, decides."""
-    usual = 0.2 if width is not None else 1e-6
+@at_once(
+    ("given", "web", "width"),
+    [(0.0, 0.0, 10.0), (0.5, 0.0, 25.0), (0.5, 24.0, 25.0), (0.5, 26.0, None), (9.0, 0.0, 39.9), (-1.0, 0.0, None)],
+)
+def test_a_face_is_as_wide_as_a_usual_backlash_is_enough_for(given: float, web: float, width: float | None) -> None:
+    """A face of 40 mm that needs a 50th of its width: what modules of 2 mm may have, or what the file has, decides.
+
+    A face no wider than a web has no room for it.
+    """
+    usual = 0.2 if given >= 0.0 else 1e-6
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(tolerance_limits, "MOST_BACKLASH", usual / 2.0)
         patch.setattr(tolerance_limits, "SURELY", 1.0)
+        patch.setattr(tolerance_limits, "widths_mm", lambda design: (web, inf))
+        patch.setattr(tolerance_limits, "with_width", lambda design, width: {"gears.face_width_mm": width})
         patch.setattr(tolerance_limits, "changed_drive", lambda whole, changes: changes["gears.face_width_mm"])
         patch.setattr(tolerance_limits, "backlash_needed", lambda width: width / 50.0)
         patch.setattr(tolerance_limits, "enough", lambda needed, share: needed)
         patch.setattr(tolerance_limits, "_made_up", lambda needed: needed)
         gears, pitch = Made(face_width_mm=40.0), Made(size=Made(module_mm=2.0))
-        drive: Any = Made(gears=gears, pitch=pitch, helix=None, whole=None)
+        drive: Any = Made(gears=gears, pitch=pitch, helix=None, whole=None, design=None)
         found = tolerance_limits._narrower(drive, "backlash_mm", given)
     if width is None:
         assert found == {}

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from at_once import at_once
 from circular_pairs import CylindricalPair, elasticity_factor, nominal_contact_stress_mpa
 from commands import Run, on_text
 from drives import DESIGNS, drive, drive_of_text
@@ -18,12 +19,13 @@ from ncgear.design.reading.design_file import load
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.answers.strong import parts_that_fail
 from ncgear.pitch.shape import Gear
-from ncgear.project.alternatives import Changes, changed_drive, changed_gears
+from ncgear.project.alternatives import Changes, changed_drive, changed_part, is_accepted, widths_mm, with_width
 from ncgear.project.drive import Drive
 from ncgear.project.sizing import (
     Accepted,
     GearRoom,
     Sized,
+    _with_uneven_load,
     asked_design,
     in_herringbone,
     smallest_accepted,
@@ -113,6 +115,66 @@ def test_the_smallest_of_all_sizes_is_found(pretend: list[int], space_mm: float)
     assert [one.volume_mm3 for one in found] == sorted(one.volume_mm3 for one in found)
 
 
+SHAFT = "bearing_a: {at_mm: -40}, bearing_b: {at_mm: 30}, steel: C45, key: {length_mm: 18}"
+
+PARTS = (
+    TEXT.replace(
+        "face_width_mm: 16}",
+        "face_width_mm: 16, measuring_pin_mm: 3.5, lead: {end_relief_um: 5, end_relief_length_mm: 12}, profile_shift: "
+        "{per_tooth: [0.1, -0.1]}, driving: {bore_mm: 10, keyway: {width_mm: 3, depth_mm: 1.4}, web: {"
+        "thickness_mm: 11, rim_mm: 2, hub_mm: 18}}, driven: {hub: {diameter_mm: 20, height_mm: 4}}}",
+    )
+    + f"""\
+masses:
+  slider_kg: 1
+  rod: {{mass_kg: 1, center_mm: 1, inertia_kg_mm2: 1}}
+  crank: {{mass_kg: 1, center_mm: 0, inertia_kg_mm2: 1}}
+drivetrain: {{driven_shaft: {{{SHAFT}, diameter_mm: 10}}}}
+"""
+)
+
+
+def test_parts_follow_a_width() -> None:
+    """A key as long as its gear with the hub lets it be, a relief of half the face; none where they have room."""
+    design = drive_of_text(PARTS).design
+    key, relief = "drivetrain.driven_shaft.key.length_mm", "gears.lead.end_relief_length_mm"
+    assert with_width(design, 12.0) == {"gears.face_width_mm": 12.0, key: 16.0, relief: 6.0}
+    assert with_width(design, 16.0) == {"gears.face_width_mm": 16.0, relief: 8.0}
+    assert with_width(design, 30.0) == {"gears.face_width_mm": 30.0}
+    # Over the web, up to the hub that would reach into bearing b
+    assert widths_mm(design) == (11.0, 52.0)
+    for width in (11.5, 12.0, 52.0):
+        assert is_accepted(design, with_width(design, width)), width
+    for width in (11.0, 52.1):
+        assert not is_accepted(design, with_width(design, width)), width
+    assert not is_accepted(design, {"gears.face_width_mm": 12.0})
+
+
+@at_once(("wider", "uneven", "scale"), [(1.0, 1.5, 1.0), (0.6, 1.3, 1.4), (1.8, 1.2, 0.9), (2.0, 1.0, 1.0)])
+def test_a_width_is_guessed_with_the_face_load_that_it_brings(wider: float, uneven: float, scale: float) -> None:
+    """What carries, width over K_Hbeta, is what was wanted, with K_Hbeta - 1 as width over force."""
+    found = _with_uneven_load(wider, uneven, scale)
+    assert found / (1.0 + (uneven - 1.0) * found * scale) == pytest.approx(wider / uneven, rel=1e-12)
+    assert (found == pytest.approx(wider)) is (uneven == 1.0 or wider * scale == 1.0)
+    # No width carries more than flanks that are pressed at one end only
+    assert _with_uneven_load(1.01 * uneven / (uneven - 1.0) / scale if uneven > 1.0 else inf, uneven, scale) == inf
+
+
+@pytest.mark.slow
+def test_what_depends_on_sizes_follows_them(pretend: list[int]) -> None:
+    """Keys, reliefs, pins and shifts of each tooth: no search ends at them, and what is found may be in the file."""
+    wide = PARTS.replace("face_width_mm: 16", "face_width_mm: 50").replace("{length_mm: 18}", "{length_mm: 54}")
+    drive = drive_of_text(wide)
+    found = smallest_gears(drive, GearRoom())
+    assert found
+    for one in found:
+        assert is_accepted(drive.design, one.changes)
+        assert 11.0 < one.face_width_mm <= 52.0
+        assert one.changes["drivetrain.driven_shaft.key.length_mm"] == one.face_width_mm + 4.0
+        assert ("gears.profile_shift.per_tooth" in one.changes) is (one.teeth != 24)
+        assert ("gears.measuring_pin_mm" in one.changes) is (one.module_mm != 2.0)
+
+
 @pytest.mark.slow
 def test_gears_that_are_accepted_with_more_teeth_only_lead_there(pretend: list[int]) -> None:
     """After too few teeth of a module, 15 % more at least are tried of this and smaller modules."""
@@ -182,7 +244,7 @@ def test_crowning_is_among_what_changes_unless_it_is_given(own_um: float | None)
     design = drive("baler-drivetrain").design
     assert design.gears is not None
     if own_um is not None:
-        design = design.model_copy(update={"gears": changed_gears(design.gears, {CROWNING: own_um})})
+        design = design.model_copy(update={"gears": changed_part(design.gears, {CROWNING: own_um})})
     first = smallest_gears(Drive(design), GearRoom())[0]
     if own_um is not None:
         assert CROWNING not in first.changes

@@ -9,16 +9,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
-from math import atan, ceil, degrees, floor, pi, radians
-from typing import TYPE_CHECKING
+from math import atan, ceil, degrees, floor, inf, pi, radians
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from pydantic import ValidationError
 
 from ncgear.design.keys.base import Model
 from ncgear.design.keys.design import Design
+from ncgear.design.keys.drivetrain import widest_mm
 from ncgear.design.keys.gears import Gears
+from ncgear.design.keys.machine import Fit
 from ncgear.design.keys.optimize import Optimize
+from ncgear.design.reading.places import with_value
 from ncgear.errors import DesignError, WrongInput
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.project.drive import Drive
@@ -151,36 +154,67 @@ def overstepped(design: Design) -> set[str]:
 # Other racks and other teeth.
 
 
-def changed_gears(gears: Gears, changes: Changes) -> Gears:
-    """The keys of the gears with changes below ``gears``; raises ValidationError where a value is not allowed."""
-    data = gears.model_dump(exclude_unset=True)
+Part = TypeVar("Part", bound=Model)
+
+
+def changed_part(part: Part, changes: Changes) -> Part:
+    """A section of a design with changes of its keys; raises ValidationError where a value is not allowed."""
+    data = part.model_dump(exclude_unset=True)
     for key, value in changes.items():
-        *groups, name = key.split(".")[1:]
-        group = data
-        for above in groups:
-            group = group.setdefault(above, {})
-        if value is None:
-            group.pop(name, None)
-        else:
-            group[name] = value
-    return Gears.model_validate(data)
+        data = with_value(data, key.partition(".")[2], value)
+    return type(part).model_validate(data)
+
+
+def changed_design(design: Design, changes: Changes) -> Design:
+    """The design with changes below ``gears``, ``drivetrain`` and ``fit``; raises as ``changed_part``."""
+    changed = dict[str, Model]()
+    for name in ("gears", "drivetrain", "fit"):
+        own = {key: value for key, value in changes.items() if key.startswith(f"{name}.")}
+        if own:
+            changed[name] = changed_part(getattr(design, name) or Fit(), own)
+    return design.model_copy(update=changed)
 
 
 def changed_drive(drive: Drive, changes: Changes) -> Drive:
-    """The drive of the design with changes below ``gears``."""
-    return drive_like(drive, drive.design.model_copy(update={"gears": changed_gears(drive.gears, changes)}))
+    """The drive of the changed design."""
+    return drive_like(drive, changed_design(drive.design, changes))
+
+
+def with_width(design: Design, width_mm: float) -> Changes:
+    """The changes that give a design another face width.
+
+    Keys of shafts become no longer than their gears with hubs, and an end relief no longer than half the face.
+    """
+    gears, changes = design.gears, Changes({"gears.face_width_mm": width_mm})
+    if gears is None:
+        return changes
+    for number, (_, name, shaft) in enumerate(design.shafts):
+        given_mm = shaft.key.length_mm if shaft and shaft.key else None
+        longest = width_mm + min((gears.hub_mm(gear) for gear in design.gears_on(number)), default=0.0)
+        if given_mm is not None and given_mm > longest:
+            changes[f"drivetrain.{name}.key.length_mm"] = longest
+    if (gears.lead.end_relief_length_mm or 0.0) > width_mm / 2.0:
+        changes["gears.lead.end_relief_length_mm"] = width_mm / 2.0
+    return changes
+
+
+def widths_mm(design: Design) -> tuple[float, float]:
+    """The face widths over the first and up to the second of which webs have pockets and bearings stand clear."""
+    gears = design.gears
+    if gears is None:
+        return 0.0, inf
+    webs = [body.web.thickness_mm for body in (gears.driving, gears.driven) if body.web]
+    return max([*webs, gears.first_layer_chamfer_mm]), widest_mm(design.shafts, gears, design.stages)
 
 
 def is_accepted(design: Design, changes: Changes) -> bool:
     """Whether the file may have the changes: a row of gears, for one, has no helical teeth."""
     if any(design.key_in_file(key) is None for key in changes):
         return False
-    asked = {key: value for key, value in changes.items() if key.startswith("gears.")}
-    if not asked or design.gears is None:
+    if design.gears is None:
         return True
     try:
-        changed = design.model_copy(update={"gears": changed_gears(design.gears, asked)})
-        type(design).model_validate(changed.model_dump(by_alias=True, exclude_unset=True))
+        type(design).model_validate(changed_design(design, changes).model_dump(by_alias=True, exclude_unset=True))
     except (ValidationError, DesignError):
         return False
     return True
@@ -265,7 +299,7 @@ def steeper_rack(drive: Drive, steepest_deg: float) -> Changes:
     for angle in range(least, most + 1):
         changes = rack_at(drive.gears, float(angle))
         try:
-            rack = changed_gears(drive.gears, changes).rack.in_mm(drive.rack.module_mm)
+            rack = changed_part(drive.gears, changes).rack.in_mm(drive.rack.module_mm)
         except WrongInput:
             continue
         driving, driven = rack.shifted(form.driving_shift_mm), rack.shifted(form.driven_shift_mm)
@@ -341,7 +375,7 @@ def room_for_index_hole(drive: Drive, gear: Gear) -> Changes:
         sizes = [floored(given * step / 20.0) for step in range(19, 0, -1)]
     for size in sizes:
         with suppress(DesignError, ValidationError):
-            changed = changed_gears(gears, {key: size})
+            changed = changed_part(gears, {key: size})
             plans = finished_plans(changed, pitch, drive.teeth, drive.chord_tolerance_mm, drive.crank_pin)
             if dict(zip(Gear, plans, strict=True))[gear].index_hole:
                 return {key: size}

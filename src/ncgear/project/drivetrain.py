@@ -268,13 +268,8 @@ def _key(
                     f"missing; a keyway {keyway.depth_mm:g} mm deep leaves nothing over {FREE_HEIGHT_MM:g} mm of play",
                     key=f"{where}.height_mm",
                 )
-        longest = gears.face_width_mm + (body.hub.height_mm if body.hub else 0.0)
+        longest = gears.face_width_mm + gears.hub_mm(gear)
         yields, length = section.yield_mpa, key.length_mm or gears.face_width_mm
-        if length > longest:
-            raise WrongInput(
-                f"{length:g} given, but the gear with its hub is {longest:g} mm long; {longest:g} or less is right",
-                key=f"{where}.length_mm",
-            )
         made = ShaftKey(section.diameter_mm, height, length, min(yields, key.yield_mpa or yields), longest)
         found.append(key_safety(made, most, least))
     weakest = min(found, key=lambda one: one.safety)

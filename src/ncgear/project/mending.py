@@ -392,7 +392,7 @@ def _shifted(drive: Drive) -> list[alternatives.Changes]:
     from ncgear.teeth.gear import shift_against_undercut
 
     given = drive.gears.profile_shift
-    gears = alternatives.changed_gears(drive.gears, _fitted(drive))
+    gears = alternatives.changed_part(drive.gears, _fitted(drive))
     own = given.driving if given.driving is not None else -(given.driven or 0.0)
     sizes = [(pair.pitch, pair.pitch.size.module_mm) for pair in drive.by_stage]
     best = [shift_against_undercut(pitch, gears.rack.in_mm(module)) / module for pitch, module in sizes]

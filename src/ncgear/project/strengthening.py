@@ -205,9 +205,17 @@ def _holds(drive: Drive, rating: Rating, changes: Changes) -> bool:
 
 
 def sized(drive: Drive, teeth: int, module_mm: float) -> Changes:
-    """The changes that give a design a number of driving teeth and a module; a centre distance is left out."""
-    changes: Changes = {"gears.teeth": teeth, "gears.module_mm": module_mm}
-    return changes if drive.gears.center_distance_mm is None else {**changes, "gears.center_distance_mm": None}
+    """The changes that give a design a number of driving teeth and a module.
+
+    Left out are a centre distance, pins that measure another module, and shifts of each of other teeth.
+    """
+    gears, size = drive.gears, drive.pitch.size
+    left_out = {
+        "gears.center_distance_mm": gears.center_distance_mm is not None,
+        "gears.measuring_pin_mm": gears.measuring_pin_mm is not None and module_mm != size.module_mm,
+        "gears.profile_shift.per_tooth": gears.profile_shift.per_tooth is not None and teeth != size.driving_teeth,
+    }
+    return {"gears.teeth": teeth, "gears.module_mm": module_mm, **{key: None for key, out in left_out.items() if out}}
 
 
 def _enough(

@@ -30,7 +30,7 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.bounds import rounded_up, shown_above, shown_below
 from ncgear.pitch.shape import Gear
-from ncgear.project.alternatives import Changes, changed_drive
+from ncgear.project.alternatives import Changes, changed_drive, widths_mm, with_width
 from ncgear.project.drive import Drive
 from ncgear.project.service import choices_of
 from ncgear.project.tooth_form import thickness_limits_mm
@@ -275,22 +275,24 @@ def _narrower(drive: Drive, key: str, given: float) -> Changes:
 
     Wider tilted teeth need more backlash; helical teeth need their width to keep contact.
     """
-    own, low, high = drive.gears.face_width_mm, LEAST_FACE, 1.0
+    design, own, high = drive.design, drive.gears.face_width_mm, 1.0
+    # Three digits may be less by a hundredth.
+    low = max(LEAST_FACE, NEAR**3 * widths_mm(design)[0] / own)
     most = max(given, MOST_BACKLASH * drive.pitch.size.module_mm)
     if drive.helix is not None or key != "backlash_mm":
         return {}
 
     def enough_for(width_mm: float) -> float:
-        narrower = changed_drive(drive.whole, {"gears.face_width_mm": width_mm})
+        narrower = changed_drive(drive.whole, with_width(design, width_mm))
         return _made_up(SURELY * enough(backlash_needed(narrower), TURNING))
 
-    if enough_for(low * own) > most:
+    if low >= high or enough_for(low * own) > most:
         return {}
     while high > NEAR * low:
         middle = sqrt(low * high)
         low, high = (middle, high) if enough_for(middle * own) <= most else (low, middle)
     width = float(shown_below(low * own, 3))
-    changes: Changes = {"gears.face_width_mm": width}
+    changes = with_width(design, width)
     if (value := enough_for(width)) > given:
         changes[f"gears.{key}"] = value
     return changes

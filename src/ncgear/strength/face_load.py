@@ -218,8 +218,11 @@ class FaceModel:
             gap = gap + (force[:, None] * loads.couples_mm[pressed]) @ tilts
         askew = self.askew_mm * at / self.width_mm
         senses = (1.0, -1.0) if self.askew_mm else (1.0,)
-        largest = [largest_line_load(at, gap + sense * askew, compliance, stiffness, force) for sense in senses]
-        found[pressed] = np.max(largest, axis=0) * self.width_mm / force
+        gaps, each = np.concatenate([gap + sense * askew for sense in senses]), (len(senses), 1, 1)
+        loads_n_mm = largest_line_load(
+            at, gaps, np.tile(compliance, each), np.tile(stiffness, len(senses)), np.tile(force, len(senses))
+        )
+        found[pressed] = loads_n_mm.reshape(len(senses), -1).max(axis=0) * self.width_mm / force
         return found
 
     def _twist(self, at_mm: Array, arms_mm: Array) -> Array:

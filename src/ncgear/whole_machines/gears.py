@@ -11,7 +11,6 @@ from typing import Any, NamedTuple
 
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.gears import SIZES
-from ncgear.design.keys.machine import Fit
 from ncgear.design.keys.optimize import Choices, Process
 from ncgear.design.keys.strength import GearMaterial, PairMaterial
 from ncgear.design.laws.registry import found_values
@@ -20,10 +19,9 @@ from ncgear.design.reading.text import whole
 from ncgear.design.rewritten import design_copy
 from ncgear.errors import DesignError
 from ncgear.figures.advice.verdict import KnownParts, judged
-from ncgear.project.alternatives import Changes, changed_drive, is_given
+from ncgear.project.alternatives import Changes, changed_drive, is_given, with_width
 from ncgear.project.drive import Drive
 from ncgear.project.law import kept_size
-from ncgear.project.opened import drive_like
 from ncgear.project.sizing import FEWEST_TEETH, Accepted, GearRoom, Sized, is_finer, smallest_accepted, stated_inertias
 from ncgear.project.strengthening import SERIES_I_MM, sized
 from ncgear.project.tolerance_limits import TURNING, jamming_of
@@ -159,7 +157,7 @@ class _Making:
             if (near := self.job.near) is not None:
                 grown = (self.job.law.flank_load_n_mm / near.flank_load_n_mm) ** (1.0 / 3.0)
                 size = sized(drive, max(near.teeth, room.fewest_teeth), grown * near.module_mm)
-                drive = changed_drive(drive, {**size, "gears.face_width_mm": grown * near.face_width_mm})
+                drive = changed_drive(drive, {**size, **with_width(drive.design, grown * near.face_width_mm)})
             for _ in range(MENDED):
                 try:
                     found = smallest_accepted(drive, room, self.is_clean, MOST_COMPUTED, lambda done, most: None)
@@ -202,7 +200,7 @@ class _Making:
                     changes = next((made for one in remedies if (made := _taken(one.changes))), {})
                 if not changes:
                     return Accepted.WITH_MORE_TEETH if ask_for_more_teeth(rows) else Accepted.NO
-                drive = _changed(drive, changes)
+                drive = changed_drive(drive, changes)
                 taken |= changes
         except DesignError as error:
             self.why = (error.problem,)
@@ -254,14 +252,6 @@ class _Making:
         if design.masses is not None and design.free_flywheel is not None:
             values["masses.driven_flywheel_kg_mm2"] = whole(law.flywheel_kg_mm2)
         return values
-
-
-def _changed(drive: Drive, changes: Changes) -> Drive:
-    """The drive of the design with changes below ``gears`` and ``fit``."""
-    fit = {key.removeprefix("fit."): value for key, value in changes.items() if key.startswith("fit.")}
-    passing = (drive.design.fit or Fit()).model_copy(update=fit)
-    other = drive_like(drive, drive.design.model_copy(update={"fit": passing})) if fit else drive
-    return changed_drive(other, {key: value for key, value in changes.items() if key.startswith("gears.")})
 
 
 def _taken(changes: tuple[Any, ...]) -> Changes:

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from math import inf
 from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 from pydantic import Field
@@ -262,9 +263,9 @@ def shaft_faults(shafts: list[NamedShaft], gears: Gears, pairs: int) -> Faults:
                 f"{second_mm:.10g} mm given, but the gears are {width:.10g} mm wide: they overlap; as much or more is "
                 "right, on either side",
             )
-        for place, body in enumerate(getattr(gears, one) for one in bodies_on(number, pairs)):
+        for place, gear in enumerate(bodies_on(number, pairs)):
             # Of two gears on a shaft, the second is seen from the other end: its hub is on the other side.
-            ends = [width / 2.0, width / 2.0 + (body.hub.height_mm if body.hub else 0.0)][:: -1 if place else 1]
+            ends = [width / 2.0, width / 2.0 + gears.hub_mm(gear)][:: -1 if place else 1]
             low, top = second_mm * place - ends[0], second_mm * place + ends[1]
             for bearing, one in bearings:
                 if low < one.at_mm < top:
@@ -274,9 +275,29 @@ def shaft_faults(shafts: list[NamedShaft], gears: Gears, pairs: int) -> Faults:
                         f"{one.at_mm:.10g} mm is within {within}, which ends at {top:.10g} mm; {low:.10g} or less, "
                         f"or {top:.10g} or more, is right",
                     )
-            if isinstance(shaft, ShaftBetween) and body.bore_mm and (shaft.diameter_mm or 0.0) > body.bore_mm:
+            longest, length = width + gears.hub_mm(gear), shaft.key.length_mm if shaft.key else None
+            if length is not None and length > longest:
+                yield fault(
+                    f"{key}.key.length_mm",
+                    f"{length:g} given, but the gear with its hub is {longest:g} mm long; {longest:g} or less is right",
+                )
+            bore_mm = getattr(gears, gear).bore_mm
+            if isinstance(shaft, ShaftBetween) and bore_mm and (shaft.diameter_mm or 0.0) > bore_mm:
                 yield fault(
                     f"{key}.diameter_mm",
-                    f"{shaft.diameter_mm:g} mm given, but a bore of its gears is {body.bore_mm:g} mm; as much or less "
-                    "is right",
+                    f"{shaft.diameter_mm:g} mm given, but a bore of its gears is {bore_mm:g} mm; as much or less is "
+                    "right",
                 )
+
+
+def widest_mm(shafts: list[NamedShaft], gears: Gears, pairs: int) -> float:
+    """The greatest face width with which gears and hubs end before the bearings; infinite where none are given."""
+    halves = [inf]
+    for number, (_, _, shaft) in enumerate(shafts):
+        bearings = [one for one in (shaft.bearing_a, shaft.bearing_b) if one is not None] if shaft else []
+        second_mm = getattr(shaft, "second_gear_at_mm", 0.0)
+        for place, gear in enumerate(bodies_on(number, pairs)):
+            hub_side = -1.0 if place else 1.0
+            beyond = [hub_side * (one.at_mm - second_mm * place) for one in bearings]
+            halves += [max(at - gears.hub_mm(gear), 0.0) if at > 0.0 else -at for at in beyond]
+    return 2.0 * min(halves)

@@ -389,6 +389,11 @@ class Gears(Model):
         if not ring and driven.rim_mm is not None:
             yield fault("driven.rim_mm", "given, but only a ring has a rim; leave it out, or give mesh: internal")
 
+    def hub_mm(self, gear: str) -> float:
+        """Height of the hub of the ``driving`` or ``driven`` gear over its face; 0 without a hub."""
+        hub = getattr(self, gear).hub
+        return hub.height_mm if hub else 0.0
+
     @property
     def carrying_angle_deg(self) -> float:
         """The rack's pressure angle of loaded flanks; driving both ways, the larger angle, as idle flanks carry too."""

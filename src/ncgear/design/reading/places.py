@@ -110,7 +110,7 @@ def with_value(data: Any, key: str, value: Any) -> Any:
     Raises ValueError, LookupError or TypeError if there is no such place.
     """
     first, _, rest = key.partition(".")
-    if isinstance(data, list):
+    if isinstance(data, list | tuple):
         place = int(first)
         if place < 0:
             raise LookupError(first)
