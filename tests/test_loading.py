@@ -371,7 +371,7 @@ def test_errors_and_forces_at_shifted_positions_are_within_the_extremes(torque_n
 
 
 def drive_loading(drive: Drive) -> Loading:
-    return drive.loading(in_sections(*drive.pair_stiffness.methods), drive.materials)
+    return drive.loading(in_sections(*drive.section_stiffness[0].methods), drive.materials)
 
 
 def in_sections(*methods: ToothMethod) -> tuple[InSections, InSections]:

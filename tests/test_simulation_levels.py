@@ -52,7 +52,7 @@ def run(run: Run) -> Run:
 def test_no_pair_is_softer_or_stiffer_than_told() -> None:
     """100 positions to a pitch beside the table's: the table alone has a least stiffness that is 3 % too large."""
     one = drive("baler-dynamics")
-    touch, even, own = touch_at(one.teeth), one.designed_contact.placement, one.pair_stiffness
+    touch, even, own = touch_at(one.teeth), one.designed_contact.placement, one.section_stiffness[0]
     rolled = (np.arange(100 * even.meetings) + (sqrt(5.0) - 1.0) / 2.0) * even.pitch_mm / 100.0
     found = []
     for block in np.array_split(rolled, rolled.size // 1000):

@@ -49,9 +49,9 @@ class History:
 
     ``slide`` is the slider's motion, ``law`` its motion if the driven gear kept the law at the same angles of the
     driving gear; ``error_rad`` is the driven angle beyond the law's.  ``pushing_n`` and ``back_n`` are the largest
-    normal forces of a pair on either side of the teeth, ``torque_n_mm`` is the drive's.  ``joints`` are the forces in
-    the mechanism, ``mesh`` is the force of all teeth on the driven gear; the driving shaft's bearings exert the same
-    force.
+    normal forces of a pair, in all its sections, on either side of the teeth, ``torque_n_mm`` is the drive's.
+    ``joints`` are the forces in the mechanism, ``mesh`` is the force of all teeth on the driven gear; the driving
+    shaft's bearings exert the same force.
     """
 
     time_s: Array
@@ -91,7 +91,8 @@ def history(course: Course, rigid: RigidMachine, time_s: Array) -> History:
     answer = toothed.answer(states)
     phi1, speed1, phi2, speed2 = states[:4]
     angle, ratio = toothed.meshing.law.at(phi1)
-    urge, normal = answer.teeth.near.urge, answer.teeth.normal_n
+    near = answer.teeth.near
+    urge, normal = near.urge, near.of_pairs(answer.teeth.normal_n)
     return History(
         time_s,
         phi1,

@@ -199,10 +199,10 @@ def quasi_static_figures(drive: Drive) -> dict[str, Any]:
 
 
 def _stiffness(drive: Drive) -> dict[str, float]:
-    found = drive.stiffness_range
+    found, gaps = drive.stiffness_range, drive.meshing.gaps
     return {
         **extreme("least_pair_stiffness", "n_per_mm", found.low),
-        "mean_pair_stiffness_n_per_mm": float(np.mean(drive.meshing.gaps.touching_stiffness)),
+        "mean_pair_stiffness_n_per_mm": gaps.sections * float(np.mean(gaps.touching_stiffness)),
         **extreme("largest_pair_stiffness", "n_per_mm", found.high),
     }
 
@@ -275,7 +275,7 @@ def dynamic_figures(drive: Drive, peaks: MotionPeaks, partings_s: tuple[Array, A
             "start_speed_rpm": float(course.states[1, 0]) / RAD_S_PER_RPM,
             "end_speed_rpm": float(course.states[1, -1]) / RAD_S_PER_RPM,
             **_stiffness(drive),
-            "damping_n_s_mm": course.machine.meshing.impact.damping_n_s_mm,
+            "damping_n_s_mm": drive.meshing.gaps.sections * course.machine.meshing.impact.damping_n_s_mm,
             **_peak_at("peak_pushing_force", "n", peaks.pushing_n),
             **_peak_at("peak_back_force", "n", peaks.back_n),
             **_peak_at("peak_driving_torque", "n_m", peaks.most_torque_n_mm, N_M_PER_N_MM),

@@ -78,14 +78,15 @@ def meshing_of(
 ) -> Meshing:
     """The pair of gears under load, with the given stiffness or else with the teeth's own stiffness.
 
-    ``sections`` are the teeth beside each other along the face width, a single one for straight teeth, each with its
-    stiffness.  Only ``sides`` of the teeth can touch, and pairs that are ``within_modules`` of the first contact.
+    ``sections`` of equal width are the teeth beside each other along the face width, a single one for straight teeth,
+    each with its stiffness.  Only ``sides`` of the teeth can touch, and pairs that are ``within_modules`` of the first
+    contact.
     """
     depth_mm = given.full_damping_depth_mm or pitch.size.module_mm / FULLY_DAMPED
-    impact = Impact(given.exponent, given.damping_n_s_mm or 0.0, depth_mm)
+    impact = Impact(given.exponent, (given.damping_n_s_mm or 0.0) / len(sections), depth_mm)
     per_tooth = PER_TOOTH if len(sections) == 1 else PER_TOOTH // 2
     followed = per_tooth, sides, within_modules
-    parts = [gaps_of(teeth, pitch, stiffness_of(given, own), *followed) for teeth, own in sections]
+    parts = [gaps_of(teeth, pitch, stiffness_of(given, own, 1.0 / len(sections)), *followed) for teeth, own in sections]
     key = given.stiffness_n_mm and STIFFNESS_KEY
     return Meshing(law_table(pitch.transmission), Gaps.beside(parts), impact, friction_of(given), key or None)
 
@@ -109,10 +110,10 @@ def friction_of(given: Simulation) -> Friction:
     return Friction(rub.static, rub.dynamic, rub.static_speed_mm_s, rub.dynamic_speed_mm_s)
 
 
-def stiffness_of(given: Simulation, own: PairStiffness) -> PairStiffness:
-    """The given stiffness of pairs of teeth, or else their ``own``."""
+def stiffness_of(given: Simulation, own: PairStiffness, share: float) -> PairStiffness:
+    """The ``own`` stiffness of pairs of teeth in a ``share`` of the face width, or else that share of the given one."""
     constant = given.stiffness_n_mm
-    return own if constant is None else lambda places: np.full(places.flanks.shape, constant)
+    return own if constant is None else lambda places: np.full(places.flanks.shape, share * constant)
 
 
 def damped(given: Simulation, meshing: Meshing, inertia_n_mm_s2: float) -> Meshing:
