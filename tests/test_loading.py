@@ -15,8 +15,8 @@ from loaded import FRICTION, LINEAR, SMOOTH
 from ncgear.contact.designed.as_designed import contacts_within
 from ncgear.contact.placement import BACK, BOTH_SIDES, PUSHING, placed, placed_at
 from ncgear.dynamics.gaps import gaps_of
+from ncgear.dynamics.law_table import law_table
 from ncgear.dynamics.meshing import Meshing
-from ncgear.dynamics.motion_in_time import law_table
 from ncgear.dynamics.pair_places import pair_places
 from ncgear.dynamics.quasi_static import loaded_contact
 from ncgear.errors import NoSuchMechanism, WrongInput

@@ -222,8 +222,8 @@ def force_on_driven(teeth: ToothForces, ratio: Array, place: MeshPlace) -> Vecto
     along = tangent(teeth.near, ratio, place)
     across = 1j * along * place.mesh.sense * teeth.near.urge
     force = np.sum(teeth.normal_n * across + teeth.rubbing_n * along, axis=-1)
-    # The crank turns clockwise; a ring turns as the driving gear does, so its mesh is looked at from behind.
-    seen = np.conj(force) if place.mesh.sense > 0.0 else force
+    # Where the driven gear turns the other way than in the pair's own frame, its mesh is looked at from behind.
+    seen = np.conj(force) if place.mesh.sense != place.driven_sense else force
     turned = -seen * np.exp(1j * place.driving_axis_rad)
     return Vector(turned.real, turned.imag)
 

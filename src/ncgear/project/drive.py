@@ -289,7 +289,6 @@ class Drive(Geared):
         """
         from ncgear.project.forces import require_possible_stiffness
 
-        self.require_one_pair()
         require_possible_stiffness(self.design.simulation, self.gears.face_width_mm)
         self.require_sound_teeth()
         return self._any_meshing
@@ -461,6 +460,7 @@ class Drive(Geared):
 
     def _loaded_with(self, stiffness_factor: float) -> LoadedContact:
         """As ``loaded_contact``, with teeth stiffer by a factor."""
+        self.require_one_pair()
         phi1, _, _ = self.motion.phi1_rad, self.rigid, self.meshing
         with self.stopwatch("band of stiffness" if stiffness_factor != 1.0 else "loaded contact"):
             return self._loaded_at(phi1, stiffness_factor)
@@ -475,22 +475,21 @@ class Drive(Geared):
     def course_with(self, stiffness_factor: float, accuracy: float) -> Course:
         """The motion in time with teeth stiffer by a factor; raises as ``dynamics.motion_in_time.course`` does.
 
-        A motor that stops during the turns is refused at once.
+        Of pairs in series all are followed together.  A motor that stops during the turns is refused at once.
         """
-        from ncgear.dynamics.crank_load import crank_load
-        from ncgear.dynamics.motion_in_time import Start, ToothedMachine, course, started
-        from ncgear.project.forces import damped, drive_line_of, mean_inertia, swinging_inertia
+        from ncgear.dynamics.motion_in_time import Start, course, started
+        from ncgear.project.forces import drive_line_of, toothed_machine
         from ncgear.project.motor import fitting_simulated, told_words
 
         if self.motor_stall is not None:
             raise NoSuchMechanism(f"{self.motor_stall}; {told_words(fitting_simulated(self))}", key=MOTOR)
         given, masses, speed = self.design.simulation, self.masses, self.machine.speed_rad_s
-        driving, meshing = drive_line_of(given, masses, speed), self.meshing.stiffened(stiffness_factor)
+        driving = drive_line_of(given, masses, speed)
+        meshings = [pair.meshing.stiffened(stiffness_factor) for pair in self.by_stage]
         with self.stopwatch("motion in time" if stiffness_factor == 1.0 else "band of stiffness"):
-            load = crank_load(self.linkage, masses, self.machine.load)
-            inertia = swinging_inertia(meshing, driving.inertia_n_mm_s2, mean_inertia(load))
-            toothed = ToothedMachine(driving, damped(given, meshing, inertia), load)
-            state = started(toothed, self.transmission, Start(given.start), speed)
+            toothed = toothed_machine(given, driving, meshings, masses, self.machine)
+            laws_before = self.loaded_machine(self.machine).laws_before
+            state = started(toothed, self.transmission, Start(given.start), speed, laws_before)
             said = "" if stiffness_factor == 1.0 else f" at {stiffness_factor:g} times the stiffness"
             began_s = perf_counter()
 
