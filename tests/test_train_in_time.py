@@ -186,3 +186,18 @@ def test_forces_of_settled_pairs_are_those_of_the_rigid_level() -> None:
         assert float(np.mean(own.x - law.x.value)) == pytest.approx(0.0, abs=0.02 * size), name
         assert float(np.mean(own.y - law.y.value)) == pytest.approx(0.0, abs=0.02 * size), name
     assert out.energy_error < 1e-5
+
+
+@pytest.mark.slow
+@pytest.mark.judges("strength")
+def test_strength_rates_what_two_pairs_bear_in_time() -> None:
+    """Its largest forces are 0.94 and 1.01 of a second turn's: where teeth swing though their load does not turn."""
+    made = drive_of_text(TEXT[: TEXT.index("drivetrain:")] + "simulation: {turns: 2}\n")
+    out = made.course
+    states = out.at(out.fine_s)
+    later = (states[0] > TURN)[:, None]
+    for pair, teeth_of in zip(made.by_stage, out.machine.answer(states).teeth, strict=True):
+        rated, borne = pair.loading_by("estimate"), float((teeth_of.normal_n * later).max())
+        assert 0.9 * borne < rated.contacts.force_n.max() < 1.15 * borne
+        assert rated.still is not None
+        assert rated.still.contacts.force_n.max() < 0.8 * borne
