@@ -222,19 +222,15 @@ def test_wrong_parameters_are_refused_by_key(run: Run, block: str, key: str, sai
     assert not Path("here").exists()
 
 
-@pytest.mark.tiers(slow=["helix*"], rest="thorough")
+@pytest.mark.thorough
 @pytest.mark.parametrize("level", ["quasi_static", "dynamic"])
 @pytest.mark.parametrize(
     ("text", "key"),
     [
         (HEAD[: HEAD.index("masses")], "masses"),
         ("\n".join(line for line in HEAD.splitlines() if not line.startswith("gears")) + "\n", "gears"),
-        (
-            HEAD.replace("face_width_mm: 10", "face_width_mm: 10, helix: {angle_deg: 10, kind: helical, hand: right}"),
-            "gears.helix",
-        ),
     ],
-    ids=["masses", "gears", "helix"],
+    ids=["masses", "gears"],
 )
 def test_what_a_level_needs_is_asked_for(run: Run, level: str, text: str, key: str) -> None:
     status, out, err = run(text, level)
