@@ -123,7 +123,7 @@ def in_time_n(design: dict[str, Any], play: float) -> list[float]:
     changed["gears"]["backlash_mm"] *= play
     course = ncgear.load(changed).course
     states = course.at(course.fine_s)
-    teeth = course.machine.answer(states).teeth
+    (teeth,) = course.machine.answer(states).teeth
     later = (states[0] > 2.0 * np.pi)[:, None]
     return [float((teeth.normal_n * later)[teeth.near.urge == urge].max(initial=0.0)) for urge in (1.0, -1.0)]
 

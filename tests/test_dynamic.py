@@ -61,7 +61,7 @@ def run(found: ToothedMachine, name: str, turns: float = 0.3, start: Start = Sta
 
 def pushing_meet_s(out: Course) -> Array:
     """Times at which pushing flanks meet or part."""
-    return meetings_s(lambda time_s: pressed_rad(out.machine.meshing, out.at(time_s))[0], out.fine_s)
+    return meetings_s(lambda time_s: pressed_rad(*out.machine.pairs(out.at(time_s))[0])[0], out.fine_s)
 
 
 def backs_meet_s(out: Course) -> Array:
@@ -132,7 +132,7 @@ def test_a_constant_torque_settles_at_the_closed_forms_depth() -> None:
     """One shaft of constant inertia against a constant torque: depth (T / (N k r))^(1/n), N pairs sharing."""
     found = mechanism(frictionless(meshing("uniform", 24)), even_load(HEAVY, 2e3), EvenDrive(0.1))
     end = run(found, "uniform", 0.02, Start.REST)
-    teeth = found.answer(end.states[:, -1]).teeth
+    teeth = found.answer(end.states[:, -1]).teeth[-1]
     pairs = int(np.sum(teeth.normal_n > 0.0))
     depth = (2e3 / (pairs * STIFFNESS * BASE)) ** (1.0 / 2.2)
     np.testing.assert_allclose(teeth.depth_mm[teeth.normal_n > 0.0], depth, rtol=1e-4)
@@ -189,9 +189,9 @@ def test_ten_times_the_stiffness_or_a_tenth(factor: float) -> None:
     found = meshing("sine", 31)
     out = run(mechanism(found.stiffened(factor), slider_load()), "sine")
     assert out.energy_error < 1e-5
-    deepest = out.machine.answer(out.states).teeth.depth_mm.max()
+    deepest = out.machine.answer(out.states).teeth[-1].depth_mm.max()
     usual = run(mechanism(found, slider_load()), "sine")
-    ratio = deepest / usual.machine.answer(usual.states).teeth.depth_mm.max()
+    ratio = deepest / usual.machine.answer(usual.states).teeth[-1].depth_mm.max()
     assert ratio == pytest.approx(factor ** (-1.0 / 2.2), rel=0.3)
 
 
@@ -243,7 +243,7 @@ def test_with_play_no_flank_touches_where_none_bears_load() -> None:
     free, apart = partings_s(out)[::-1]
     assert 0.0 < np.sum(np.diff(free)) < np.sum(np.diff(apart))
     time_s = np.linspace(0.0, out.time_s[-1], 7919)[1:-1]
-    bears = out.machine.answer(out.at(time_s)).teeth.normal_n.max(axis=-1) > 0.0
+    bears = out.machine.answer(out.at(time_s)).teeth[-1].normal_n.max(axis=-1) > 0.0
     within = np.any((time_s[:, None] > free[:, 0]) & (time_s[:, None] < free[:, 1]), axis=1)
     assert not bears[within].any()
     # Damping may hold parting flanks at no force before they are apart
@@ -304,7 +304,7 @@ def test_on_the_law_a_motor_starts_at_the_operating_speed(no_load: float) -> Non
     assert state[1] == SPEED
     assert state[3] == pytest.approx(slope * SPEED, rel=1e-12)
     asked = law_torque_n_mm(found.load, LAWS["sine"](), np.zeros(1), SPEED)
-    brought = found.answer(state).teeth.driven_n_mm.sum()
+    brought = found.answer(state).teeth[-1].driven_n_mm.sum()
     # Speeds on the law close the flanks by no more than tables miss it, which the damping answers
     assert brought == pytest.approx(float(asked[0]), rel=1e-3)
 
@@ -366,7 +366,7 @@ def test_joints_bear_what_newton_and_euler_ask_of_the_simulated_motion() -> None
     )
     out = run(mechanism(meshing("sine", 31), slider_load()), "sine", 0.15)
     shown = history(out, machine, even_times_s(out))
-    brought = out.machine.answer(out.at(shown.time_s)).teeth.driven_n_mm.sum(axis=-1)
+    brought = out.machine.answer(out.at(shown.time_s)).teeth[-1].driven_n_mm.sum(axis=-1)
     np.testing.assert_allclose(shown.joints.torque_n_mm, brought, atol=1e-6 * np.abs(brought).max())
 
 

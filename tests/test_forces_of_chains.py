@@ -226,12 +226,11 @@ def test_shafts_between_are_counted() -> None:
     assert "masses.shaft_between_kg_mm2" in str(refused.value)
 
 
-@pytest.mark.parametrize("level", ["meshing", "loaded_contact"])
-def test_teeth_of_chains_are_not_followed_in_motion(level: str) -> None:
+def test_teeth_of_chains_at_rest_under_load_are_not_computed() -> None:
     with pytest.raises(
-        WrongInput, match="three pairs of gears; teeth under load are followed of one; ncgear simulate --level rigid"
+        WrongInput, match="three pairs of gears; teeth at rest under load are computed of one; --level dynamic follows"
     ):
-        getattr(drive("3 pairs"), level)
+        _ = drive("3 pairs").loaded_contact
 
 
 def test_an_idler_counts_once() -> None:

@@ -69,8 +69,11 @@ IDLE: dict[str, tuple[str, Data, Data]] = {
     "no masses": ("simulation is given without masses", {"simulation": {"turns": 3}, "masses": None}, {"masses": None}),
     "no load": ("simulation is given without resistance", {"simulation": {"turns": 3}, **UNLOADED}, UNLOADED),
     "no gears": ("strength is given without gears", {"strength": {"life_h": 9}, "gears": None}, {"gears": None}),
-    "helix": ("simulation is given with helical", {"simulation": {"turns": 3}, "gears": HELIX}, {"gears": HELIX}),
-    "stages": ("simulation is given with two", {"simulation": {"turns": 3}, "motion": TWO_STAGES}, {}),
+    "stages": (
+        "simulation is given without masses",
+        {"simulation": {"turns": 3}, "motion": TWO_STAGES, "masses": None},
+        {"simulation": {"turns": 3}, "motion": TWO_STAGES},
+    ),
     "damping": (
         "simulation.damping_ratio is",
         {"simulation": {"damping_n_s_mm": 1, "damping_ratio": 0.1}},

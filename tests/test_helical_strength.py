@@ -21,8 +21,8 @@ from circular_pairs import (
 from engaged import LAWS
 from loaded import FRICTION, LINEAR
 from ncgear.dynamics.gaps import Gaps, gaps_of
+from ncgear.dynamics.law_table import law_table
 from ncgear.dynamics.meshing import Meshing
-from ncgear.dynamics.motion_in_time import law_table
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.solids.helical.even_tips import with_even_tips

@@ -16,8 +16,8 @@ from ncgear.contact.designed.as_designed import contacts_within
 from ncgear.contact.placement import BACK, BOTH_SIDES, PUSHING, placed, placed_at
 from ncgear.dynamics.flank_changes import BorneTorque
 from ncgear.dynamics.gaps import gaps_of
+from ncgear.dynamics.law_table import law_table
 from ncgear.dynamics.meshing import Meshing
-from ncgear.dynamics.motion_in_time import law_table
 from ncgear.dynamics.pair_places import pair_places
 from ncgear.dynamics.quasi_static import loaded_contact
 from ncgear.errors import NoSuchMechanism, WrongInput
@@ -392,7 +392,7 @@ def test_errors_and_forces_at_shifted_positions_are_within_the_extremes(torque_n
 
 
 def drive_loading(drive: Drive) -> Loading:
-    return drive.loading(in_sections(*drive.pair_stiffness.methods), drive.materials)
+    return drive.loading(in_sections(*drive.section_stiffness[0].methods), drive.materials)
 
 
 def in_sections(*methods: ToothMethod) -> tuple[InSections, InSections]:

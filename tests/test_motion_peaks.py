@@ -160,7 +160,7 @@ def test_a_narrow_peak_of_the_resistance_is_met(width_mm: float) -> None:
     slide = LINKAGE.displacement(Jet.variable(state[2], 1))
     assert slide.value[0] == pytest.approx(58.0, abs=0.05 * width_mm)
     even = slider_load((200.0,))
-    moment = found.answer(state).teeth.driven_n_mm.sum(axis=-1) - 6800.0 * slide.derivative(1)
+    moment = found.answer(state).teeth[-1].driven_n_mm.sum(axis=-1) - 6800.0 * slide.derivative(1)
     slowed = CrankPace(state[3], even.acceleration_rad_s2(state[2], state[3], moment))
     wrist = LINKAGE.joint_forces(Jet.variable(state[2], 2), MASSES, slowed, np.array([7e3])).joints["wrist"]
     assert peak.value == pytest.approx(float(np.hypot(wrist.x, wrist.y)[0]), rel=1e-3)

@@ -13,6 +13,7 @@ import pytest
 from ncgear.cli.progress import Lines
 from ncgear.dynamics import history
 from ncgear.dynamics.history import _passings_s, _sizes, meetings_s, partings_s, pressed_rad
+from ncgear.dynamics.meshing import TwoShafts
 from ncgear.figures.data_sheet.entries import shafts_below
 from ncgear.optimum.outline import nearest
 from ncgear.project.passing import CRANK_PIN
@@ -36,9 +37,8 @@ def test_flanks_are_pressed_by_how_far_they_are_beyond_their_first_touch() -> No
     """Pushing flanks touch 1 mrad ahead of the law, backs 3: a gear 2 mrad ahead touches neither, one at 0 pushes."""
     gaps = Made(play_rad=lambda phi: (np.full(phi.size, 0.001), np.full(phi.size, 0.003)))
     meshing: Any = Made(gaps=gaps, law=Made(at=lambda phi: (2.0 * phi, None)))
-    states = np.zeros((6, 3))
-    states[0], states[2] = 0.5, 1.0 + np.array([0.0, 0.002, 0.004])
-    assert pressed_rad(meshing, states) == pytest.approx(np.array([[0.001, -0.001, -0.003], [-0.003, -0.001, 0.001]]))
+    shafts = TwoShafts(np.full(3, 0.5), 0.0, 1.0 + np.array([0.0, 0.002, 0.004]), 0.0)
+    assert pressed_rad(meshing, shafts) == pytest.approx(np.array([[0.001, -0.001, -0.003], [-0.003, -0.001, 0.001]]))
 
 
 @pytest.mark.judges("dynamics")
@@ -50,7 +50,9 @@ def test_times_without_contact_lie_between_meetings(monkeypatch: pytest.MonkeyPa
 
     monkeypatch.setattr(history, "pressed_rad", pressed)
     fine = np.linspace(1.0, 6.0, 51)
-    course: Any = Made(machine=Made(meshing=None), at=lambda time: time, fine_s=fine, time_s=fine[::10])
+    course: Any = Made(
+        machine=Made(pairs=lambda time: [(None, time)]), at=lambda time: time, fine_s=fine, time_s=fine[::10]
+    )
     assert partings_s(course)[0] == pytest.approx(np.array([[pi, 6.0]]))
     assert partings_s(course)[1] == pytest.approx(np.array([[pi, 7.0 * pi / 6.0], [11.0 * pi / 6.0, 6.0]]))
 
@@ -71,7 +73,7 @@ def test_peaks_are_those_of_sizes_and_of_a_torque_both_ways() -> None:
     names = "displacement", "velocity", "acceleration"
     one = np.array([1.0])
     shown: Any = Made(slide=slide(1.0, -5.0, -7.0), law=slide(4.0, -3.0, -6.0), pushing_n=8.0 * one, back_n=9.0 * one)
-    shown.torque_n_mm, shown.forces = -10.0 * one, {"pin": Made(x=3.0 * one, y=-4.0 * one)}
+    shown.before, shown.torque_n_mm, shown.forces = (), -10.0 * one, {"pin": Made(x=3.0 * one, y=-4.0 * one)}
     told = {name: float(value[0]) for name, value in _sizes(shown).items()}
     assert told == {
         "displacement_error": 3.0,

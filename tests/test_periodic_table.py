@@ -8,7 +8,7 @@ from math import log2, pi
 import numpy as np
 import pytest
 
-from ncgear.dynamics.motion_in_time import law_table
+from ncgear.dynamics.law_table import law_table
 from ncgear.numerics.periodic_table import PeriodicTable, cubics, quintics
 from ncgear.ratio.transmission import Lobes
 from pairs import baler_law, sine_law

@@ -34,7 +34,7 @@ def by_arrays(found: ToothedMachine, at: Array) -> Array:
     """The changes of states, shape (6, n)."""
     answer = found.answer(at)
     moved = at[1], answer.acceleration1_rad_s2, at[3], answer.acceleration2_rad_s2
-    return np.stack([*moved, answer.torque_n_mm * at[1], answer.teeth.loss_n_mm_s.sum(axis=-1)])
+    return np.stack([*moved, answer.torque_n_mm * at[1], answer.teeth[-1].loss_n_mm_s.sum(axis=-1)])
 
 
 @pytest.mark.slow

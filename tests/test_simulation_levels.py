@@ -52,7 +52,7 @@ def run(run: Run) -> Run:
 def test_no_pair_is_softer_or_stiffer_than_told() -> None:
     """100 positions to a pitch beside the table's: the table alone has a least stiffness that is 3 % too large."""
     one = drive("baler-dynamics")
-    touch, even, own = touch_at(one.teeth), one.designed_contact.placement, one.pair_stiffness
+    touch, even, own = touch_at(one.teeth), one.designed_contact.placement, one.section_stiffness[0]
     rolled = (np.arange(100 * even.meetings) + (sqrt(5.0) - 1.0) / 2.0) * even.pitch_mm / 100.0
     found = []
     for block in np.array_split(rolled, rolled.size // 1000):
@@ -223,19 +223,15 @@ def test_wrong_parameters_are_refused_by_key(run: Run, block: str, key: str, sai
     assert not Path("here").exists()
 
 
-@pytest.mark.tiers(slow=["helix*"], rest="thorough")
+@pytest.mark.thorough
 @pytest.mark.parametrize("level", ["quasi_static", "dynamic"])
 @pytest.mark.parametrize(
     ("text", "key"),
     [
         (HEAD[: HEAD.index("masses")], "masses"),
         ("\n".join(line for line in HEAD.splitlines() if not line.startswith("gears")) + "\n", "gears"),
-        (
-            HEAD.replace("face_width_mm: 10", "face_width_mm: 10, helix: {angle_deg: 10, kind: helical, hand: right}"),
-            "gears.helix",
-        ),
     ],
-    ids=["masses", "gears", "helix"],
+    ids=["masses", "gears"],
 )
 def test_what_a_level_needs_is_asked_for(run: Run, level: str, text: str, key: str) -> None:
     status, out, err = run(text, level)

@@ -18,7 +18,7 @@ from ncgear.design.laws.harmonic_ratio import HarmonicRatio
 from ncgear.design.laws.spiral import Spiral
 from ncgear.design.trains.tip_path import TipPathKeys
 from ncgear.drawings.scene.standing import SUPPORT, SUPPORT_HATCHES, support_hatches_mm
-from ncgear.dynamics.history import CRANK_BEARING, Peak
+from ncgear.dynamics.history import BETWEEN_BEARING, CRANK_BEARING, MESH_BEFORE, Peak
 from ncgear.figures import compared
 from ncgear.figures.advice.teeth_advice import idle_flanks
 from ncgear.figures.advice.values import Kind
@@ -80,12 +80,15 @@ def test_a_motion_in_time_is_told_in_newton_metres_with_the_bearing_of_its_crank
     history = Made(
         time_s=one, phi1_rad=one, phi2_rad=one, slide=slide, law=slide, error_rad=one, pushing_n=one, back_n=one
     )
-    history.forces = {CRANK_BEARING: force, "pin": force}
+    history.forces = {CRANK_BEARING: force, "pin": force, f"{MESH_BEFORE} 0": force, f"{BETWEEN_BEARING} 0": force}
+    history.before = (Made(pushing_n=8.0 * one, back_n=9.0 * one),)
     history.torque_n_mm, history.joints = np.array([6000.0]), Made(guide_n=np.array([7.0]))
     table = dynamic_table(history, CrankSlider(40.0, 90.0, 0.0))
     assert table["driving_torque_n_m"] == pytest.approx([6.0])
     assert (table["crank_bearing_x_n"], table["crank_bearing_y_n"], table["pin_x_n"]) == (4.0, 5.0, 4.0)
     assert table["guide_n"] == 7.0
+    assert (table["first_mesh_x_n"], table["shaft_between_bearing_y_n"]) == (4.0, 5.0)
+    assert (table["first_pushing_force_n"], table["first_back_force_n"]) == (8.0, 9.0)
     assert _peak_at("most", "n_m", Peak(3.0, 0.1, 0.2), 0.5) == {"most_n_m": 1.5, "most_at_rad": 0.2}
     assert _peak_at("most", "n", Peak(0.0, 0.1, 0.2)) == {"most_n": 0.0, "most_at_rad": None}
     assert _lasting_s(np.array([[1.0, 1.5], [4.0, 6.0]])) == pytest.approx(2.5)

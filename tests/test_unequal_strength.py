@@ -11,8 +11,8 @@ from drives import drive_of_text
 from loaded import FRICTION, LINEAR
 from ncgear.contact.placement import BACK, PUSHING
 from ncgear.dynamics.gaps import gaps_of
+from ncgear.dynamics.law_table import law_table
 from ncgear.dynamics.meshing import Meshing
-from ncgear.dynamics.motion_in_time import law_table
 from ncgear.pitch.shape import Gear
 from ncgear.strength.estimate import estimate_of
 from ncgear.strength.hertz import contact_modulus_mpa, hertz_pressure_mpa

@@ -198,7 +198,8 @@ class Near:
     the law's at which the pair touches, ``lever_mm`` the arm of its normal force about the driven axis, ``stiffness``
     the stiffness of ``PairStiffness``; ``slopes`` are the slopes of these three by the driving angle.  ``driving_mm``
     and ``driven_mm`` are the speeds, in mm per rad of each gear's own angle, at which their points pass along the
-    tangent that leads outwards from the driven axis.
+    tangent that leads outwards from the driven axis.  ``number`` numbers pairs of helical teeth, which have a slot in
+    each section; None for straight teeth.
     """
 
     urge: Array
@@ -208,6 +209,19 @@ class Near:
     driven_mm: Array
     stiffness: Array
     slopes: tuple[Array, Array, Array]
+    number: IndexArray | None = None
+
+    def of_pairs(self, values: Array) -> Array:
+        """Values of slots as the sum over all sections of each pair, in one of its slots; 0 in its others."""
+        if self.number is None:
+            return values
+        order = np.argsort(self.number, axis=-1)
+        changes = np.diff(np.take_along_axis(self.number, order, axis=-1), axis=-1, prepend=-1) != 0
+        sums = np.zeros(order.shape)
+        sums[changes] = np.add.reduceat(np.take_along_axis(values, order, axis=-1).ravel(), np.flatnonzero(changes))
+        found = np.empty(order.shape)
+        np.put_along_axis(found, order, sums, axis=-1)
+        return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -258,7 +272,16 @@ class Gaps:
         error, lever, driving, driven, stiffness = (value[..., number] for number in range(5))
         slopes = slope[..., 0], slope[..., 1], slope[..., STIFFNESS]
         urge = self.urge[index] if slot is None else self.urge[index, slot]
-        return Near(urge, error, lever, driving, driven, stiffness, slopes)
+        number = None if self._number is None or slot is not None else self._number[index]
+        return Near(urge, error, lever, driving, driven, stiffness, slopes, number)
+
+    @cached_property
+    def _number(self) -> IndexArray | None:
+        """A number for each pair of flanks, shape (intervals, slots); None for straight teeth."""
+        if self.sections == 1:
+            return None
+        driving, driven = np.moveaxis(self.pair, -1, 0)
+        return np.asarray(2 * (driving * (driven.max() + 1) + driven) + (self.urge > 0.0))
 
     @property
     def come_and_go(self) -> bool:

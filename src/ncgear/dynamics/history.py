@@ -10,12 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import partial
+from itertools import chain, pairwise
 
 import numpy as np
 
 from ncgear.dynamics.crank_load import crank_angles_rad
 from ncgear.dynamics.loaded_machine import RigidMachine
-from ncgear.dynamics.meshing import Meshing, force_on_driven
+from ncgear.dynamics.mesh_force import MeshPlace
+from ncgear.dynamics.meshing import Meshing, ToothForces, TwoShafts, force_on_driven
 from ncgear.dynamics.motion_in_time import Course, unheard
 from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import Machine
@@ -34,6 +36,19 @@ CRANK_BEARING = "crank_bearing"
 """The name of the bearing of the shaft that the driven gear turns, among the joints."""
 
 
+MESH_BEFORE, BETWEEN_BEARING = "mesh_before", "between_bearing"
+"""The names, before its number from 0, of a mesh before the last, and of the bearings of the shaft that it turns."""
+
+
+@dataclass(frozen=True, eq=False)
+class TeethInTime:
+    """Teeth of a pair before the last at n times: largest normal forces of pairs of teeth, and the force of all."""
+
+    pushing_n: Array
+    back_n: Array
+    mesh: Vector
+
+
 @dataclass(frozen=True, eq=False)
 class Slide:
     """Displacement, velocity and acceleration of the output, shape (n,) each, in units of ``OutputMotion``."""
@@ -49,9 +64,10 @@ class History:
 
     ``slide`` is the slider's motion, ``law`` its motion if the driven gear kept the law at the same angles of the
     driving gear; ``error_rad`` is the driven angle beyond the law's.  ``pushing_n`` and ``back_n`` are the largest
-    normal forces of a pair on either side of the teeth, ``torque_n_mm`` is the drive's.  ``joints`` are the forces in
-    the mechanism, ``mesh`` is the force of all teeth on the driven gear; the driving shaft's bearings exert the same
-    force.
+    normal forces of a pair, in all its sections, on either side of the teeth, ``torque_n_mm`` is the drive's.
+    ``joints`` are the forces in the mechanism, ``mesh`` is the force of all teeth on the driven gear; the driving
+    shaft's bearings exert the same force.  Of pairs in series ``error_rad`` is that of all together, other figures of
+    teeth are those of the last, and ``before`` are those of the pairs before it, from the driving shaft on.
     """
 
     time_s: Array
@@ -65,6 +81,7 @@ class History:
     torque_n_mm: Array
     joints: JointForces
     mesh: Vector
+    before: tuple[TeethInTime, ...] = ()
 
     @property
     def crank_bearing(self) -> Vector:
@@ -74,7 +91,10 @@ class History:
     @property
     def forces(self) -> Mapping[str, Vector]:
         """The forces in the joints and between the teeth, by the names that columns and figures give them."""
-        return {**self.joints.joints, CRANK_BEARING: self.crank_bearing, "mesh": self.mesh}
+        meshes = [*(one.mesh for one in self.before), self.mesh]
+        first = {f"{MESH_BEFORE} {pair}": mesh for pair, mesh in enumerate(meshes[:-1])}
+        between = {f"{BETWEEN_BEARING} {pair}": two - one for pair, (one, two) in enumerate(pairwise(meshes))}
+        return {**self.joints.joints, CRANK_BEARING: self.crank_bearing, "mesh": self.mesh, **first, **between}
 
 
 def even_times_s(course: Course, least: int = 0) -> Array:
@@ -90,21 +110,30 @@ def history(course: Course, rigid: RigidMachine, time_s: Array) -> History:
     states = course.at(time_s)
     answer = toothed.answer(states)
     phi1, speed1, phi2, speed2 = states[:4]
-    angle, ratio = toothed.meshing.law.at(phi1)
-    urge, normal = answer.teeth.near.urge, answer.teeth.normal_n
+    *before, last = (
+        _teeth(forces, meshing.law.at(shafts.phi1_rad)[1], place)
+        for forces, (meshing, shafts), place in zip(answer.teeth, toothed.pairs(states), rigid.places, strict=True)
+    )
     return History(
         time_s,
         phi1,
         phi2,
-        phi2 - angle,
+        phi2 - toothed.law_rad(phi1),
         _slide(rigid.machine.linkage.displacement(Jet.variable(phi2, 2)), speed2, answer.acceleration2_rad_s2),
         _slide(rigid.machine.displacement(phi1, 2), speed1, answer.acceleration1_rad_s2),
-        np.where(urge > 0.0, normal, 0.0).max(axis=-1),
-        np.where(urge < 0.0, normal, 0.0).max(axis=-1),
+        last.pushing_n,
+        last.back_n,
         answer.torque_n_mm,
         rigid.joints(phi2, CrankPace(speed2, answer.acceleration2_rad_s2)),
-        force_on_driven(answer.teeth, ratio, rigid.place),
+        last.mesh,
+        tuple(before),
     )
+
+
+def _teeth(forces: ToothForces, ratio: Array, place: MeshPlace) -> TeethInTime:
+    urge, normal = forces.near.urge, forces.near.of_pairs(forces.normal_n)
+    pushing, back = (np.where(side * urge > 0.0, normal, 0.0).max(axis=-1) for side in (1.0, -1.0))
+    return TeethInTime(pushing, back, force_on_driven(forces, ratio, place))
 
 
 def _slide(displacement: Jet, speed_rad_s: Array, acceleration_rad_s2: Array) -> Slide:
@@ -118,13 +147,14 @@ NEAR_RAD = 1e-6
 radian (tests/test_gaps.py), and may show as play."""
 
 
-def pressed_rad(meshing: Meshing, states: Array) -> Array:
+def pressed_rad(meshing: Meshing, shafts: TwoShafts) -> Array:
     """Angle by which the driven gear is pressed beyond the first contact of pushing flanks and of backs, shape (2, n).
 
-    It is negative where they are apart; states have shape (6, n).
+    It is negative where they are apart; ``shafts`` are those of the pair, shape (n,).
     """
-    pushing, back = meshing.gaps.play_rad(states[0])
-    error = states[2] - meshing.law.at(states[0])[0]
+    phi1 = np.asarray(shafts.phi1_rad)
+    pushing, back = meshing.gaps.play_rad(phi1)
+    error = shafts.phi2_rad - meshing.law.at(phi1)[0]
     return np.stack([pushing - error, error - back])
 
 
@@ -139,11 +169,14 @@ def meetings_s(pressed: Callable[[Array], Array], time_s: Array, known: Array | 
     return zeros_between(pressed, time_s[change], time_s[change + 1]) if change.size else np.empty(0)
 
 
-def partings_s(course: Course) -> tuple[Array, Array]:
-    """Starts and ends of the times without contact of pushing flanks, and of any flanks, shape (k, 2) each."""
+def partings_s(course: Course, pair: int = -1) -> tuple[Array, Array]:
+    """Starts and ends of the times without contact of pushing flanks, and of any flanks, shape (k, 2) each.
+
+    ``pair`` numbers the pair, from 0 at the driving shaft.
+    """
 
     def pressed(time_s: Array, side: int | slice) -> Array:
-        found: Array = pressed_rad(course.machine.meshing, course.at(time_s))[side]
+        found: Array = pressed_rad(*course.machine.pairs(course.at(time_s))[pair])[side]
         return found
 
     edges, found = course.time_s[[0, -1]], list[Array]()
@@ -167,7 +200,8 @@ class Peak:
 class MotionPeaks:
     """Largest sizes over a motion; names and meaning are those of ``History``.
 
-    ``forces_n`` are the forces in the joints and between the teeth, by their names.
+    ``forces_n`` are the forces in the joints and between the teeth, by their names.  ``before`` are the largest forces
+    of a pair on pushing flanks and on backs, of each pair in series before the last.
     """
 
     displacement_error: Peak
@@ -178,12 +212,18 @@ class MotionPeaks:
     most_torque_n_mm: Peak
     least_torque_n_mm: Peak
     forces_n: Mapping[str, Peak]
+    before: tuple[tuple[Peak, Peak], ...] = ()
+
+    @property
+    def of_pairs(self) -> tuple[tuple[Peak, Peak], ...]:
+        """The largest forces on pushing flanks and on backs of all pairs, from the driving shaft on."""
+        return *self.before, (self.pushing_n, self.back_n)
 
     @property
     def times_s(self) -> Array:
         """The times of all peaks, shape (n,)."""
         alone = [peak for peak in vars(self).values() if isinstance(peak, Peak)]
-        return np.unique([peak.time_s for peak in (*alone, *self.forces_n.values())])
+        return np.unique([peak.time_s for peak in (*alone, *chain(*self.before), *self.forces_n.values())])
 
 
 def motion_peaks(course: Course, rigid: RigidMachine, on_share: Callable[[float], None] = unheard) -> MotionPeaks:
@@ -201,10 +241,12 @@ def motion_peaks(course: Course, rigid: RigidMachine, on_share: Callable[[float]
     forces = {name.removesuffix(FORCE): peaks.pop(name) for name in names if name.endswith(FORCE)}
     braking = peaks.pop("least_torque_n_mm")
     least = Peak(0.0 - braking.value, braking.time_s, braking.phi1_rad)
-    return MotionPeaks(**peaks, least_torque_n_mm=least, forces_n=forces)
+    of_teeth = [peaks.pop(name) for name in names if name.startswith(BEFORE)]
+    before = tuple(zip(of_teeth[::2], of_teeth[1::2], strict=True))
+    return MotionPeaks(**peaks, least_torque_n_mm=least, forces_n=forces, before=before)
 
 
-FORCE = " force"
+FORCE, BEFORE = " force", "before "
 
 
 def _sizes(shown: History) -> dict[str, Array]:
@@ -217,6 +259,11 @@ def _sizes(shown: History) -> dict[str, Array]:
         "back_n": shown.back_n,
         "most_torque_n_mm": shown.torque_n_mm,
         "least_torque_n_mm": -shown.torque_n_mm,
+        **{
+            f"{BEFORE}{pair} {side}": force
+            for pair, one in enumerate(shown.before)
+            for side, force in enumerate((one.pushing_n, one.back_n))
+        },
         **{name + FORCE: np.hypot(force.x, force.y) for name, force in shown.forces.items()},
     }
 

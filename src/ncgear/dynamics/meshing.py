@@ -22,6 +22,7 @@ is t.a.  The tangential speeds give the component of a across t in the same way.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -175,15 +176,16 @@ class Meshing:
         near, speeds = self.gaps.at(shafts.phi1_rad), (shafts.speed1_rad_s, shafts.speed2_rad_s)
         return self._near(near, _column(angle - shafts.phi2_rad) + near.error_rad, ratio, speeds)
 
-    def beyond(self, phi1_rad: Array, ahead_rad: Array, side: Array, speed_rad_s: float) -> ToothForces:
-        """Forces of the flanks of one side, +1 or -1, with the driven gear ``ahead_rad`` beyond the law's; shape (n,).
+    def beyond(self, phi1_rad: Array, side: Array, speed_rad_s: float) -> Callable[[Array], ToothForces]:
+        """Forces of the flanks of one side, +1 or -1, by the driven gear's angle beyond the law's; shape (n,) each.
 
         The driving shaft turns at ``speed_rad_s``, the driven shaft by the law.  Depths are known to rounding errors
         of the angles beyond the law's, however far the gears have turned.
         """
         ratio, near = self.law.at(phi1_rad)[1], self.gaps.at(phi1_rad)
         near = replace(near, urge=np.where(near.urge == _column(side), near.urge, 0.0))
-        return self._near(near, near.error_rad - _column(ahead_rad), ratio, (speed_rad_s, ratio * speed_rad_s))
+        speeds = speed_rad_s, ratio * speed_rad_s
+        return lambda ahead_rad: self._near(near, near.error_rad - _column(ahead_rad), ratio, speeds)
 
     def _near(
         self, near: Near, behind: Array, ratio: Array, speeds_rad_s: tuple[Array | float, Array | float]
@@ -220,8 +222,8 @@ def force_on_driven(teeth: ToothForces, ratio: Array, place: MeshPlace) -> Vecto
     along = tangent(teeth.near, ratio, place)
     across = 1j * along * place.mesh.sense * teeth.near.urge
     force = np.sum(teeth.normal_n * across + teeth.rubbing_n * along, axis=-1)
-    # The crank turns clockwise; a ring turns as the driving gear does, so its mesh is looked at from behind.
-    seen = np.conj(force) if place.mesh.sense > 0.0 else force
+    # Where the driven gear turns the other way than in the pair's own frame, its mesh is looked at from behind.
+    seen = np.conj(force) if place.mesh.sense != place.driven_sense else force
     turned = -seen * np.exp(1j * place.driving_axis_rad)
     return Vector(turned.real, turned.imag)
 

@@ -1,53 +1,34 @@
-"""The motion of the toothed machine in time: two shafts that only their teeth join, by a solver for stiff equations.
+"""The motion of the toothed machine in time: shafts that only their teeth join, by a solver for stiff equations.
 
 The driving gear turns at a constant speed, or a motor with a flywheel turns it.  The state is (phi1, phi1', phi2,
-phi2', work of the drive, losses of the teeth); the last two are integrated along with the motion for the balance of
-energy.  The motion starts on the law under its load, or from rest.  The solver restarts at each dead centre, where the
-resistance starts or ends, and at each narrow peak of the resistance, which its steps might pass over.
+phi2', work of the drive, losses of the teeth), then angle and speed of each shaft between pairs in series, from the
+driving shaft on; work and losses are integrated along with the motion for the balance of energy.  The motion starts on
+the law under its load, or from rest.  The solver restarts at each dead centre, where the resistance starts or ends, and
+at each narrow peak of the resistance, which its steps might pass over.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from enum import StrEnum
 from functools import cached_property
-from math import ceil, inf, pi
+from itertools import chain, pairwise
+from math import inf, pi
 from typing import Protocol
 
 import numpy as np
 
 from ncgear.dynamics.crank_load import CLEAR_RAD, CrankLoad
 from ncgear.dynamics.meshing import Meshing, ToothForces, TwoShafts
-from ncgear.dynamics.place_by_place import StateByState
+from ncgear.dynamics.place_by_place import StateByState, TrainByState
 from ncgear.dynamics.quasi_static import loaded_contact
 from ncgear.errors import NoSuchMechanism, Unanswered
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array, Number, distinct, row_blocks
+from ncgear.numerics.arrays import Array, Number, row_blocks
 from ncgear.numerics.chebyshev import PiecewiseChebyshev, nodes, series
-from ncgear.numerics.periodic_table import PeriodicTable, quintics
 from ncgear.numerics.units import in_words
 from ncgear.numerics.zeros import zeros_between
-from ncgear.ratio.transmission import Piece, Transmission
-
-INTERVALS = 2048
-"""Intervals of the table in a period; quintics then miss the shipped laws by 1e-13 rad or less
-(tests/test_periodic_table.py)."""
-
-
-def law_table(transmission: Transmission) -> PeriodicTable:
-    """The driven angle in rad over a period of the driving angle, exact with two derivatives at all joints."""
-    lobes = transmission.lobes
-    parts = [_piece(piece, lobes.driving_period_rad / INTERVALS) for piece in transmission.pieces]
-    breaks = np.append(np.concatenate([knots[:-1] for knots, _ in parts]), lobes.driving_period_rad)
-    return PeriodicTable(breaks, np.concatenate([table for _, table in parts], axis=1), lobes.driven_period_rad)
-
-
-def _piece(piece: Piece, step_rad: float) -> tuple[Array, Array]:
-    count = ceil((piece.end_rad - piece.start_rad) / step_rad) + 1
-    knots = distinct(np.append(np.linspace(piece.start_rad, piece.end_rad, count), piece.knots_rad))
-    angle = piece.driven_angle(knots, 2)
-    values = [angle.value, angle.derivative(1), angle.derivative(2)]
-    return knots, quintics(np.diff(knots), [value[:-1] for value in values], [value[1:] for value in values])
+from ncgear.ratio.transmission import Transmission, turned_after
 
 
 class DriveLine(Protocol):
@@ -99,9 +80,12 @@ class Motor:
 
 @dataclass(frozen=True, eq=False)
 class InstantForces:
-    """Forces of the teeth, torque of the drive, and the accelerations of both shafts, in n states or in one."""
+    """Forces of the teeth, torque of the drive, and the accelerations of both shafts, in n states or in one.
 
-    teeth: ToothForces
+    ``teeth`` are those of each pair, from the driving shaft on.
+    """
+
+    teeth: tuple[ToothForces, ...]
     torque_n_mm: Array
     acceleration1_rad_s2: Array
     acceleration2_rad_s2: Array
@@ -109,26 +93,49 @@ class InstantForces:
 
 @dataclass(frozen=True, eq=False)
 class ToothedMachine:
-    """The drive, the teeth, and the load of the driven gear."""
+    """The drive, the teeth, and the load of the driven gear.
+
+    Of pairs in series ``meshing`` is the last, ``before`` are those before it from the driving shaft on, and
+    ``between_n_mm_s2`` the inertias of the shafts that these turn.
+    """
 
     drive: DriveLine
     meshing: Meshing
     load: CrankLoad
+    before: tuple[Meshing, ...] = ()
+    between_n_mm_s2: tuple[float, ...] = ()
+
+    def pairs(self, states: Array) -> list[tuple[Meshing, TwoShafts]]:
+        """Each pair, from the driving shaft on, with its own shafts in states of shape (6 + 2 between, ...)."""
+        rows = [0, *range(6, len(states), 2), 2]
+        return [
+            (meshing, TwoShafts(*states[one : one + 2], *states[two : two + 2]))
+            for meshing, (one, two) in zip((*self.before, self.meshing), pairwise(rows), strict=True)
+        ]
+
+    def law_rad(self, phi1_rad: Array) -> Array:
+        """The law's angle of the last driven gear at driving angles, of any shape."""
+        angle = phi1_rad
+        for meshing in (*self.before, self.meshing):
+            angle = meshing.law.at(angle)[0]
+        return angle
 
     def answer(self, states: Array) -> InstantForces:
-        """Forces and accelerations of the shafts in states of shape (6,) or (6, n)."""
-        teeth = self.meshing.forces(TwoShafts(*states[:4]))
-        acceleration1, torque = self.drive.answer(states[1], teeth.driving_n_mm.sum(axis=-1))
-        acceleration2 = self.load.acceleration_rad_s2(states[2], states[3], teeth.driven_n_mm.sum(axis=-1))
+        """Forces and accelerations of the shafts in states of shape (rows,) or (rows, n)."""
+        teeth = tuple(meshing.forces(shafts) for meshing, shafts in self.pairs(states))
+        acceleration1, torque = self.drive.answer(states[1], teeth[0].driving_n_mm.sum(axis=-1))
+        acceleration2 = self.load.acceleration_rad_s2(states[2], states[3], teeth[-1].driven_n_mm.sum(axis=-1))
         return InstantForces(teeth, torque, acceleration1, acceleration2)
 
     def stored_n_mm(self, states: Array) -> Array:
-        """Kinetic and elastic energy plus the work on resistance and weights, shape (n,), in states of shape (6, n)."""
-        teeth = self.meshing.forces(TwoShafts(*states[:4]))
-        elastic = self.meshing.impact.energy_n_mm(teeth.depth_mm, teeth.near.stiffness).sum(axis=-1)
-        driving = 0.5 * self.drive.inertia_n_mm_s2 * states[1] ** 2
-        stored: Array = driving + self.load.energy_n_mm(states[2], states[3]) + elastic
-        return stored
+        """Kinetic and elastic energy plus the work on resistance and weights, shape (n,), in states (rows, n)."""
+        stored = 0.5 * self.drive.inertia_n_mm_s2 * states[1] ** 2 + self.load.energy_n_mm(states[2], states[3])
+        for inertia, speed in zip(self.between_n_mm_s2, states[7::2], strict=True):
+            stored = stored + 0.5 * inertia * speed**2
+        for meshing, shafts in self.pairs(states):
+            teeth = meshing.forces(shafts)
+            stored = stored + meshing.impact.energy_n_mm(teeth.depth_mm, teeth.near.stiffness).sum(axis=-1)
+        return np.asarray(stored)
 
 
 class Start(StrEnum):
@@ -144,20 +151,35 @@ def law_torque_n_mm(load: CrankLoad, transmission: Transmission, phi1_rad: Array
     return load.torque_n_mm(angle.value, angle.derivative(1) * speed_rad_s, angle.derivative(2) * speed_rad_s**2)
 
 
-def started(machine: ToothedMachine, transmission: Transmission, start: Start, speed_rad_s: float) -> Array:
-    """The state at phi1 = 0, shape (6,).
+def started(
+    machine: ToothedMachine,
+    transmission: Transmission,
+    start: Start,
+    speed_rad_s: float,
+    laws_before: Sequence[Transmission] = (),
+) -> Array:
+    """The state at phi1 = 0, shape (6 + 2 between,); ``laws_before`` are those of the pairs before the last.
 
-    On the law both shafts have its speeds at the driving speed (not a motor's speed without load), and the load at that
-    speed presses the teeth.  At rest both gears stand, the driven one on pushing flanks, until a motor starts them.
+    On the law all shafts have its speeds at the driving speed (not a motor's speed without load), and the load at that
+    speed presses the teeth.  At rest all gears stand, the driven ones on pushing flanks, until a motor starts them.
     """
-    here = np.zeros(1)
-    if start is Start.REST:
-        pushing = float(machine.meshing.gaps.play_rad(here)[0][0])
-        return np.array([0.0, 0.0, pushing, 0.0, 0.0, 0.0])
-    torque = law_torque_n_mm(machine.load, transmission, here, speed_rad_s)
-    ahead = loaded_contact(machine.meshing, here, torque, speed_rad_s).error_rad[0]
-    ratio = float(transmission.driven_angle(here, 1).derivative(1)[0])
-    return np.array([0.0, speed_rad_s, float(ahead), ratio * speed_rad_s, 0.0, 0.0])
+    here, resting = np.zeros(1), start is Start.REST
+    turned = [*turned_after(laws_before, here, 2), transmission.driven_angle(here, 2)]
+    torques = [law_torque_n_mm(machine.load, transmission, here, speed_rad_s)]
+    for inertia, (one, two) in zip(machine.between_n_mm_s2[::-1], [*pairwise(turned)][::-1], strict=True):
+        power = torques[0] * two.derivative(1) / one.derivative(1)
+        torques.insert(0, power + inertia * one.derivative(2) * speed_rad_s**2)
+    shafts = [(0.0, 0.0 if resting else speed_rad_s)]
+    for meshing, torque in zip((*machine.before, machine.meshing), torques, strict=True):
+        here, turning = np.array([shafts[-1][0]]), shafts[-1][1]
+        angle, slope = meshing.law.at(here)
+        if resting:
+            ahead, slope = meshing.gaps.play_rad(here)[0], 0.0 * slope
+        else:
+            ahead = loaded_contact(meshing, here, torque, turning).error_rad
+        shafts.append((float((angle + ahead)[0]), float(slope[0]) * turning))
+    first, *between, last = shafts
+    return np.array([*first, *last, 0.0, 0.0, *chain(*between)])
 
 
 METHOD = "LSODA"
@@ -186,7 +208,7 @@ SLOWEST = 20.0
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """A motion from time 0 on: solver steps at ``time_s`` (shape (n,)) in ``states`` (shape (6, n)).
+    """A motion from time 0 on: solver steps at ``time_s`` (shape (n,)) in ``states`` (shape (rows, n)).
 
     ``between`` are the polynomials that the solver follows the states by in its steps.
     """
@@ -197,7 +219,7 @@ class Course:
     between: PiecewiseChebyshev
 
     def at(self, time_s: Array) -> Array:
-        """States at times within the course, shape (m,), as (6, m)."""
+        """States at times within the course, shape (m,), as (rows, m)."""
         states = np.empty((self.states.shape[0], time_s.size))
         for rows in row_blocks(time_s.size):
             states[:, rows] = self.between(time_s[rows]).T
@@ -273,6 +295,8 @@ def _getting_on(machine: ToothedMachine, on_way: Callable[[float], None]) -> Cha
     ``on_way`` receives the driving angle as it advances.
     """
     furthest, looked_at, own = -inf, 0, StateByState(machine.drive.answer, machine.meshing, machine.load)
+    if machine.before:
+        own = TrainByState(machine.drive.answer, machine.meshing, machine.load, machine.before, machine.between_n_mm_s2)
 
     def change(time_s: float, state: Array) -> Array:
         nonlocal furthest, looked_at
@@ -361,7 +385,7 @@ def _scales(machine: ToothedMachine) -> Array:
     speed = machine.drive.speed_rad_s
     moving = float(machine.load.energy_n_mm(np.array(0.0), np.array(speed)))
     work = max(moving, float(machine.load.table.at(2.0 * pi)[0][1]))
-    return 1e-2 * np.array([1.0, speed, 1.0, speed, work, work])
+    return 1e-2 * np.array([1.0, speed, 1.0, speed, work, work, *[1.0, speed] * len(machine.before)])
 
 
 def _joined(machine: ToothedMachine, steps: list[_Step]) -> Course:
@@ -373,8 +397,9 @@ def _joined(machine: ToothedMachine, steps: list[_Step]) -> Course:
 
 def _checked(found: Course) -> Course:
     """The course itself, if its energy balances and its teeth are no deeper in each other than the tables follow."""
-    meshing, states = found.machine.meshing, found.at(found.fine_s)
-    meshing.require_reach(states[0], states[2] - meshing.law.at(states[0])[0])
+    for meshing, shafts in found.machine.pairs(found.at(found.fine_s)):
+        phi1 = np.asarray(shafts.phi1_rad)
+        meshing.require_reach(phi1, shafts.phi2_rad - meshing.law.at(phi1)[0])
     if not found.energy_error <= ENERGY:
         raise NoSuchMechanism(
             f"the motion cannot be followed: its energy misses {found.energy_error:.3g} of the work at phi1 = "

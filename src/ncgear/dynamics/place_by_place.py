@@ -7,7 +7,7 @@ time would go into making and calling them; so the formulas stand here once more
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -37,12 +37,15 @@ class StateByState:
         phi1, speed1, phi2, speed2, _, _ = state.tolist()
         driving, driven, loss = self._teeth(phi1, speed1, phi2, speed2)
         acceleration1, torque = self._answers(speed1, driving)
+        return np.array((speed1, acceleration1, speed2, self._crank(phi2, speed2, driven), torque * speed1, loss))
+
+    def _crank(self, phi2: float, speed2: float, driven: float) -> float:
+        """Acceleration of the crank under a moment of the teeth."""
         _, step = self._load.at(phi2)
         (m3, m2, m1, m0), (u3, u2, u1, _) = self._load.rows
         inertia, bend = ((m3 * step + m2) * step + m1) * step + m0, (3.0 * m3 * step + 2.0 * m2) * step + m1
         moment = (3.0 * u3 * step + 2.0 * u2) * step + u1
-        acceleration2 = (driven - moment - 0.5 * bend * speed2 * speed2) / inertia
-        return np.array((speed1, acceleration1, speed2, acceleration2, torque * speed1, loss))
+        return (driven - moment - 0.5 * bend * speed2 * speed2) / inertia
 
     def _teeth(self, phi1: float, speed1: float, phi2: float, speed2: float) -> tuple[float, float, float]:
         """Moments of all pairs that touch on the driving and on the driven gear, and the power that they take."""
@@ -86,6 +89,37 @@ class StateByState:
             driven += normal * arm + rubbing * passing2
             loss += (normal - elastic) * closing + rubbing * sliding
         return driving, driven, loss
+
+
+class TrainByState(StateByState):
+    """The same of pairs in series: ``meshing`` is the last of them, and shafts of inertias are between them."""
+
+    def __init__(
+        self,
+        answers: Callable[[float, float], tuple[float, float]],
+        meshing: Meshing,
+        load: CrankLoad,
+        before: Sequence[Meshing],
+        between_n_mm_s2: Sequence[float],
+    ) -> None:
+        super().__init__(answers, meshing, load)
+        self._pairs = [*(StateByState(answers, one, load) for one in before), self]
+        self._between = between_n_mm_s2
+
+    def change(self, state: Array) -> Array:
+        """Derivatives of a state by time, shape (6 + 2 between,) both."""
+        phi1, speed1, phi2, speed2, _, _, *between = state.tolist()
+        shafts = [(phi1, speed1), *zip(between[::2], between[1::2], strict=True), (phi2, speed2)]
+        ends = zip(self._pairs, shafts, shafts[1:], strict=False)
+        moments = [pair._teeth(*driving, *driven) for pair, driving, driven in ends]
+        acceleration1, torque = self._answers(speed1, moments[0][0])
+        rates = [speed1, acceleration1, speed2, self._crank(phi2, speed2, moments[-1][1])]
+        rates += [torque * speed1, sum(loss for *_, loss in moments)]
+        for inertia, (_, speed), (_, turned, _), (held, _, _) in zip(
+            self._between, shafts[1:], moments, moments[1:], strict=False
+        ):
+            rates += [speed, (turned + held) / inertia]
+        return np.array(rates)
 
 
 def coefficient(friction: Friction, sliding_mm_s: float) -> float:

@@ -74,15 +74,16 @@ class LoadedContact:
 
     @property
     def tooth_force_n(self) -> Array:
-        """Largest normal force of any pair at each position, shape (n,)."""
-        largest: Array = self.forces.normal_n.max(axis=-1)
+        """Largest normal force of any pair at each position, in all its sections, shape (n,)."""
+        largest: Array = self.forces.near.of_pairs(self.forces.normal_n).max(axis=-1)
         return largest
 
     @property
     def pairs(self) -> IndexArray:
         """Number of loaded pairs at each position, shape (n,)."""
         depth = np.where(self.forces.near.urge == 0.0, NO_DEPTH_MM, self.forces.depth_mm)
-        counted: IndexArray = np.sum(depth > touching_mm(depth.max(axis=-1, keepdims=True)), axis=-1)
+        loaded = depth > touching_mm(depth.max(axis=-1, keepdims=True))
+        counted: IndexArray = np.sum(self.forces.near.of_pairs(loaded.astype(float)) > 0.0, axis=-1)
         return counted
 
 
@@ -98,7 +99,7 @@ def loaded_contact(meshing: Meshing, phi1_rad: Array, torque_n_mm: Array, speed_
     loaded = np.nonzero(torque_n_mm)[0]
     ahead[loaded] = _balanced(resting, phi1_rad[loaded], torque_n_mm[loaded], speed_rad_s)
     meshing.require_reach(phi1_rad, ahead)
-    return LoadedContact(phi1_rad, ahead, resting.beyond(phi1_rad, ahead, pressed_side(torque_n_mm), speed_rad_s))
+    return LoadedContact(phi1_rad, ahead, resting.beyond(phi1_rad, pressed_side(torque_n_mm), speed_rad_s)(ahead))
 
 
 def pressed_side(torque_n_mm: Array) -> Array:
@@ -151,10 +152,11 @@ NO_DEPTH_MM = -1e3
 def _depth_of_next_mm(forces: ToothForces, pairs: int) -> Array:
     """Depth of the next pair after the ``pairs`` deepest pairs, shape (n,), negative where it bears no load.
 
-    The number of loaded pairs jumps; this depth has a maximum between the jumps, however close they are.
+    The number of loaded pairs jumps; this depth has a maximum between the jumps, however close they are.  Forces of
+    helical teeth do not jump with it, since pairs come and go section by section.
     """
     there = np.where(forces.near.urge == 0.0, NO_DEPTH_MM, forces.depth_mm)
-    if pairs >= there.shape[-1]:
+    if pairs >= there.shape[-1] or forces.near.number is not None:
         return np.full(len(there), NO_DEPTH_MM)
     depth: Array = np.sort(there, axis=-1)[:, -1 - pairs]
     return depth
@@ -162,10 +164,10 @@ def _depth_of_next_mm(forces: ToothForces, pairs: int) -> Array:
 
 def _balanced(meshing: Meshing, phi1_rad: Array, torque_n_mm: Array, speed_rad_s: float) -> Array:
     """Driven angles beyond the law's at which the teeth balance torques other than 0."""
-    side = pressed_side(torque_n_mm)
+    forces = meshing.beyond(phi1_rad, pressed_side(torque_n_mm), speed_rad_s)
 
     def missing(ahead: Array) -> Array:
-        moments: Array = meshing.beyond(phi1_rad, ahead, side, speed_rad_s).driven_n_mm.sum(axis=-1)
+        moments: Array = forces(ahead).driven_n_mm.sum(axis=-1)
         return moments - torque_n_mm
 
     ahead = zeros_between(missing, *_bracket(missing, meshing, phi1_rad, torque_n_mm))

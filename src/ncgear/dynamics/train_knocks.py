@@ -1,4 +1,4 @@
-"""The torques of the teeth of two pairs in series where their loads change flanks: both pairs part, knock and settle.
+"""The torques of the teeth of two pairs in series: where their loads change flanks, both pairs part, knock and settle.
 
 At constant driving speed there are two bodies: the shaft between the pairs, of inertia J1, and the driven side, of J2
 reduced to the crank's shaft.  With x1 and x2 their angles beyond the law's, M1 and M2 the moments of the pairs that
@@ -10,6 +10,7 @@ touch on their driven gears, T1 and T2 the law's torques on these, and i2 the sl
 The teeth of the second pair depend only on y, the angle of its driven gear beyond the one for its own driving gear.
 M1 and M2 count friction, and so does R2, the moment with which the second pair holds its driving gear: i2 M2 without
 friction.  The teeth bear their normal forces.
+A cycle of fewer than FEW swings is followed as a whole, since settled teeth are roused again where pairs come and go.
 All is to the first order of x, by the method of ``ncgear.dynamics.flank_changes``: a single pair has infinite J1.
 """
 
@@ -31,7 +32,7 @@ from ncgear.dynamics.driven_side import (
     bears,
     knocks_at,
 )
-from ncgear.dynamics.flank_changes import SAMPLES, BorneTorque, begun, joined, turns_of
+from ncgear.dynamics.flank_changes import FEW, FEWEST, SAMPLES, BorneTorque, begun, joined, turns_of
 from ncgear.dynamics.meshing import Meshing, NearPairs, moments_n_mm, near_pairs
 from ncgear.dynamics.quasi_static import loaded_contact
 from ncgear.frozen import dataclass
@@ -90,15 +91,18 @@ class KnockingTrain:
         most = np.abs(places.asked).max(axis=1)
         cycles = cycle_rad, float(law.at(np.array([cycle_rad]))[0][0] - law.at(np.array([0.0]))[0][0])
         width_rad = cycle_rad / SAMPLES
-        rows, flanks = turns_of(places.asked, most, width_rad / self.speed_rad_s * places.swings_rad_s)
-        if not most.all() or not rows.size:
+        steps = width_rad / self.speed_rad_s * places.swings_rad_s
+        rows, flanks = turns_of(places.asked, most, steps)
+        swings = steps.sum(axis=1) / (2.0 * pi)
+        whole = FEWEST < swings.max() < FEW and any(one.meshing.gaps.come_and_go for one in self.pairs)
+        if not most.all() or not (whole or rows.size):
             first, second = (BorneTorque(one.asked, c, knocks=()) for one, c in zip(self.pairs, cycles, strict=True))
             return first, second
-        rows, starts = begun(rows, phi1, cycle_rad)
+        rows, starts = begun(rows if rows.size else np.zeros(1, dtype=int), phi1, cycle_rad)
         found, end_rad = list[tuple[FollowedStretch, FollowedStretch]](), float(starts[0]) + 2.0 * cycle_rad
         for start_rad, on in zip(starts, flanks[:, rows].T, strict=True):
             if not found or start_rad > found[-1][0].phi1_rad[-1]:
-                ends = float(start_rad) + 2.0 * width_rad, end_rad
+                ends = float(start_rad) + (cycle_rad if whole else 2.0 * width_rad), end_rad
                 found.append(self._followed(float(start_rad), on, most, ends))
         first, second = (
             joined([one[place] for one in found], self.pairs[place].asked, cycles[place]) for place in (0, 1)

@@ -9,7 +9,7 @@ Columns of a table have one length; names of columns and keys of figures end in 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from math import atan2, degrees, hypot
 from typing import Any
@@ -17,9 +17,10 @@ from typing import Any
 import numpy as np
 
 from ncgear.design.words import ORDINALS
-from ncgear.dynamics.history import CRANK_BEARING, History, MotionPeaks, Peak
+from ncgear.dynamics.history import BETWEEN_BEARING, CRANK_BEARING, MESH_BEFORE, History, MotionPeaks, Peak
 from ncgear.dynamics.level import Level
 from ncgear.dynamics.loaded_machine import Loads
+from ncgear.dynamics.meshing import Meshing
 from ncgear.dynamics.rigid import LoadPeaks, Rigid
 from ncgear.errors import NoSuchMechanism
 from ncgear.figures.summary.check_summary import uniform_key
@@ -199,10 +200,10 @@ def quasi_static_figures(drive: Drive) -> dict[str, Any]:
 
 
 def _stiffness(drive: Drive) -> dict[str, float]:
-    found = drive.stiffness_range
+    found, gaps = drive.stiffness_range, drive.meshing.gaps
     return {
         **extreme("least_pair_stiffness", "n_per_mm", found.low),
-        "mean_pair_stiffness_n_per_mm": float(np.mean(drive.meshing.gaps.touching_stiffness)),
+        "mean_pair_stiffness_n_per_mm": gaps.sections * float(np.mean(gaps.touching_stiffness)),
         **extreme("largest_pair_stiffness", "n_per_mm", found.high),
     }
 
@@ -234,28 +235,47 @@ def dynamic_table(history: History, linkage: Mechanism) -> dict[str, Array]:
     for prefix, slide in (("", history.slide), ("law_", history.law)):
         columns.update({f"{prefix}{name}": values for name, values in motion_columns(slide, linkage.OUTPUT).items()})
     joints: dict[str, Array] = {}
+    names = _names_in_time(linkage, len(history.before))
     for joint, force in history.forces.items():
-        name = bearing_name(linkage) if joint == CRANK_BEARING else joint
+        name = names.get(joint, joint)
         joints.update({f"{name}_x_n": force.x, f"{name}_y_n": force.y})
     return {
         **columns,
         "error_rad": history.error_rad,
         "pushing_force_n": history.pushing_n,
         "back_force_n": history.back_n,
+        **{
+            f"{pair}_{side}_force_n": force
+            for pair, one in zip(ORDINALS, history.before, strict=False)
+            for side, force in (("pushing", one.pushing_n), ("back", one.back_n))
+        },
         "driving_torque_n_m": N_M_PER_N_MM * history.torque_n_mm,
         **joints,
         **({"guide_n": np.asarray(history.joints.guide_n)} if linkage.GUIDED else {}),
     }
 
 
-def dynamic_figures(drive: Drive, peaks: MotionPeaks, partings_s: tuple[Array, Array]) -> dict[str, Any]:
+def _names_in_time(linkage: Mechanism, before: int) -> dict[str, str]:
+    """The names of forces of ``History`` in columns and figures, with as many pairs before the last."""
+    names = {CRANK_BEARING: bearing_name(linkage)}
+    for number, (mesh, bearing) in enumerate(_names_before(before)):
+        names |= {f"{MESH_BEFORE} {number}": mesh, f"{BETWEEN_BEARING} {number}": bearing}
+    return names
+
+
+def dynamic_figures(drive: Drive, peaks: MotionPeaks, partings_s: Sequence[tuple[Array, Array]]) -> dict[str, Any]:
     """The slider beside its law, the bearings, and the teeth, with the driving angle of each peak.
 
-    ``partings_s`` are those of pushing flanks, and of any flanks.
+    ``partings_s`` are those of pushing flanks, and of any flanks, of each pair.  The figures of several pairs are in
+    ``pairs``.
     """
-    course, work, output = drive.course, drive.course.states[4:, -1], drive.linkage.OUTPUT
-    names = {CRANK_BEARING: bearing_name(drive.linkage)}
-    pushing_parted, parted = partings_s
+    course, work, output = drive.course, drive.course.states[4:6, -1], drive.linkage.OUTPUT
+    names = _names_in_time(drive.linkage, len(peaks.before))
+    meshings = (*course.machine.before, course.machine.meshing)
+    pairs = [
+        _pair_in_time(pair, meshing, of_pair, parted)
+        for pair, meshing, of_pair, parted in zip(drive.by_stage, meshings, peaks.of_pairs, partings_s, strict=True)
+    ]
     return {
         **_about(drive, Level.DYNAMIC),
         output.name.replace(" ", "_"): {
@@ -274,22 +294,39 @@ def dynamic_figures(drive: Drive, peaks: MotionPeaks, partings_s: tuple[Array, A
         "motion_in_time": {
             "start_speed_rpm": float(course.states[1, 0]) / RAD_S_PER_RPM,
             "end_speed_rpm": float(course.states[1, -1]) / RAD_S_PER_RPM,
-            **_stiffness(drive),
-            "damping_n_s_mm": course.machine.meshing.impact.damping_n_s_mm,
-            **_peak_at("peak_pushing_force", "n", peaks.pushing_n),
-            **_peak_at("peak_back_force", "n", peaks.back_n),
             **_peak_at("peak_driving_torque", "n_m", peaks.most_torque_n_mm, N_M_PER_N_MM),
             **_peak_at("least_driving_torque", "n_m", peaks.least_torque_n_mm, N_M_PER_N_MM),
             "work_of_drive_j": N_M_PER_N_MM * float(work[0]),
             "loss_of_teeth_j": N_M_PER_N_MM * float(work[1]),
-            "partings_of_pushing_flanks": len(pushing_parted),
-            "time_with_pushing_flanks_apart_s": _lasting_s(pushing_parted),
-            "losses_of_contact": len(parted),
-            "time_without_contact_s": _lasting_s(parted),
+            **(pairs[0] if len(pairs) == 1 else {"pairs": pairs}),
             "energy_error": course.energy_error,
             "solver_steps": int(course.time_s.size - 1),
         },
         "band_of_stiffness": _band(lambda factor: _motion_with(drive, factor)),
+    }
+
+
+def pairs_in_time(figures: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """The figures of teeth in the motion in time of each pair, from the driving shaft on."""
+    moved = figures["motion_in_time"]
+    found: list[Mapping[str, Any]] = moved.get("pairs", [moved])
+    return found
+
+
+def _pair_in_time(
+    pair: Drive, meshing: Meshing, peaks: tuple[Peak, Peak], partings_s: tuple[Array, Array]
+) -> dict[str, Any]:
+    """The teeth of a pair in the motion in time."""
+    pushing_parted, parted = partings_s
+    return {
+        **_stiffness(pair),
+        "damping_n_s_mm": meshing.gaps.sections * meshing.impact.damping_n_s_mm,
+        **_peak_at("peak_pushing_force", "n", peaks[0]),
+        **_peak_at("peak_back_force", "n", peaks[1]),
+        "partings_of_pushing_flanks": len(pushing_parted),
+        "time_with_pushing_flanks_apart_s": _lasting_s(pushing_parted),
+        "losses_of_contact": len(parted),
+        "time_without_contact_s": _lasting_s(parted),
     }
 
 
@@ -299,9 +336,10 @@ BAND_ACCURACY = 1e-5
 
 def _motion_with(drive: Drive, factor: float) -> dict[str, float]:
     peaks = drive.peaks_of(drive.course_with(factor, BAND_ACCURACY))
+    pushing, back = (max(one.value for one in side) for side in zip(*peaks.of_pairs, strict=True))
     return {
-        "peak_pushing_force_n": peaks.pushing_n.value,
-        "peak_back_force_n": peaks.back_n.value,
+        "peak_pushing_force_n": pushing,
+        "peak_back_force_n": back,
         "peak_mesh_force_n": peaks.forces_n["mesh"].value,
         f"peak_acceleration_{drive.linkage.OUTPUT.acceleration.ending}": peaks.acceleration.value,
     }

@@ -19,12 +19,14 @@ from ncgear.dynamics.loaded_machine import Loads
 from ncgear.figures.advice.drivetrain_advice import SMOOTH_GUIDE
 from ncgear.figures.advice.strength_advice import pressed_in_time
 from ncgear.figures.advice.teeth_advice import parted_in_time
-from ncgear.figures.advice.verdict import KnownParts, Verdict, judged
+from ncgear.figures.advice.values import Advice
+from ncgear.figures.advice.verdict import KnownParts, Verdict, judged, together
 from ncgear.figures.drivetrain import drivetrain_figures
 from ncgear.figures.numbers import MICRORAD, json_text
 from ncgear.figures.simulated import (
     dynamic_figures,
     dynamic_table,
+    pairs_in_time,
     quasi_static_figures,
     quasi_static_table,
     rigid_figures,
@@ -146,6 +148,11 @@ def teeth_in_time(shown: History) -> dict[str, tuple[str, Array]]:
     return {
         "pushing force, one pair": ("N", shown.pushing_n),
         "back force, one pair": ("N", shown.back_n),
+        **{
+            f"{pair} gears: {side} force, one pair": ("N", force)
+            for pair, one in zip(ORDINALS, shown.before, strict=False)
+            for side, force in (("pushing", one.pushing_n), ("back", one.back_n))
+        },
         "driving torque": ("N m", N_M_PER_N_MM * shown.torque_n_mm),
     }
 
@@ -195,18 +202,24 @@ def simulate(drive: Drive, level: Level) -> Simulated:
     """
     table, figures, pictures = _at_level(drive, level)
     with_teeth = drive.design.gears is not None and (level is not Level.RIGID or drive.design.drivetrain is not None)
-    found = []
+    known, found = KnownParts.TEETH if with_teeth else KnownParts.MOTION, [(drive, list[Advice]())]
     if level is Level.DYNAMIC:
-        moved, time_s = figures["motion_in_time"], drive.course.time_s
-        parted = moved["partings_of_pushing_flanks"], moved["time_with_pushing_flanks_apart_s"]
-        found = [
-            parted_in_time(*parted, float(time_s[-1] - time_s[0])),
-            *([SMOOTH_GUIDE] if drive.rigid.machine.guide_friction else []),
-        ]
-        pressed = pressed_in_time(drive, max(moved["peak_pushing_force_n"], moved["peak_back_force_n"]))
-        found += [pressed] if pressed else []
-    verdict = judged(drive, KnownParts.TEETH if with_teeth else KnownParts.MOTION, found, seconds=0.0)
+        pairs = zip(drive.by_stage, pairs_in_time(figures), strict=True)
+        found = [(pair, _found_in_time(pair, moved)) for pair, moved in pairs]
+    verdict = together([judged(one, known, advices, seconds=0.0) for one, advices in found])
     return Simulated(table, {**figures, **verdict_summary(verdict)}, pictures, verdict)
+
+
+def _found_in_time(pair: Drive, moved: Mapping[str, Any]) -> list[Advice]:
+    """What the motion in time alone tells of a pair, and of the machine, by the pair's figures."""
+    time_s = pair.whole.course.time_s
+    parted = moved["partings_of_pushing_flanks"], moved["time_with_pushing_flanks_apart_s"]
+    pressed = pressed_in_time(pair, max(moved["peak_pushing_force_n"], moved["peak_back_force_n"]))
+    return [
+        parted_in_time(*parted, float(time_s[-1] - time_s[0])),
+        *([SMOOTH_GUIDE] if pair.rigid.machine.guide_friction else []),
+        *([pressed] if pressed else []),
+    ]
 
 
 Results = tuple[Mapping[str, Array], Mapping[str, Any], Mapping[str, bytes]]
@@ -253,9 +266,9 @@ def _dynamic(drive: Drive) -> Results:
     Pictures have points at even times and one at each peak, so that they show the peaks of the figures.
     """
     course, rigid = drive.course, drive.rigid.machine
-    peaks, partings = drive.peaks_of(course), partings_s(course)
+    peaks, partings = drive.peaks_of(course), [partings_s(course, pair) for pair in range(drive.design.stages)]
     drawn = history(course, rigid, np.union1d(even_times_s(course, PER_TURN), peaks.times_s))
-    apart_deg = np.degrees(np.stack([course.at(ends)[0] for ends in partings[0].T], axis=-1))
+    apart_deg = np.degrees(np.stack([course.at(ends)[0] for ends in partings[-1][0].T], axis=-1))
 
     def in_time(quantities: Mapping[str, tuple[str, Array]]) -> list[Chart]:
         return [

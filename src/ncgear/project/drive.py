@@ -283,17 +283,13 @@ class Drive(Geared):
 
     @computed
     def meshing(self) -> Meshing:
-        """The straight teeth of the pair under load; raises where they are helical or their contact is not sound.
+        """The teeth of the pair under load; raises where their contact is not sound.
 
         An impossible stiffness is refused before teeth are made.
         """
         from ncgear.project.forces import require_possible_stiffness
 
-        self.require_one_pair()
         require_possible_stiffness(self.design.simulation, self.gears.face_width_mm)
-        if self.helix is not None:
-            problem = "helical teeth are rated by ncgear strength, but not followed in motion; leave it out"
-            raise WrongInput(problem, key="gears.helix")
         self.require_sound_teeth()
         return self._any_meshing
 
@@ -309,15 +305,18 @@ class Drive(Geared):
         return tooth_load(self)
 
     @computed
-    def pair_stiffness(self) -> LinearTeeth:
-        """The stiffness of each pair of teeth in N/mm, from its form, face width and material by the estimate."""
+    def section_stiffness(self) -> list[LinearTeeth]:
+        """The stiffness of each pair of teeth in N/mm in each section, from its form and material by the estimate."""
         from ncgear.project.tooth_strength import estimated, stiffnesses
-        from ncgear.strength.sections import FaceSections, InSections
+        from ncgear.strength.sections import InSections
 
-        teeth, (driving, driven) = self.teeth, self.materials
-        methods = InSections((estimated(teeth.driving, driving),)), InSections((estimated(teeth.driven, driven),))
-        section, width_mm = FaceSections.straight(teeth), self.gears.face_width_mm
-        return stiffnesses(self.tooth_load, section, width_mm, methods, self.materials)[0]
+        sections = self.face_sections
+        driving, driven = (
+            InSections(tuple(estimated(one.teeth.of(gear), material, sections.helix_rad) for one in sections.each))
+            for gear, material in zip(Gear, self.materials, strict=True)
+        )
+        width_mm = self.gears.face_width_mm
+        return stiffnesses(self.tooth_load, sections, width_mm, (driving, driven), self.materials)
 
     def loading(self, methods: tuple[InSections, InSections], materials: tuple[Material, Material]) -> Loading:
         """The load of every tooth over a cycle of meetings, shared by the stiffness of the given methods.
@@ -405,22 +404,30 @@ class Drive(Geared):
 
     @computed
     def _any_meshing(self) -> Meshing:
-        """The teeth of the pair under load, as if they were straight and their contact sound."""
+        """The teeth of the pair under load, as if their contact were sound."""
         from ncgear.project.forces import meshing_of
 
-        pitch, teeth, stiffness = self.pitch, self.teeth, self.pair_stiffness
+        pitch = self.pitch
+        sections = [(one.teeth, own) for one, own in zip(self.face_sections.each, self.section_stiffness, strict=True)]
         with self.stopwatch("gaps"):
-            return meshing_of(self.design.simulation, pitch, [(teeth, stiffness)])
+            return meshing_of(self.design.simulation, pitch, sections)
 
     @computed
     def stiffness_range(self) -> ValueRange:
-        """The least and the largest stiffness in N/mm of any touching pair of teeth, anywhere in the cycle."""
+        """The least and the largest stiffness in N/mm of any touching pair of teeth, anywhere in the cycle.
+
+        Of helical teeth: of the first section's, as wide as the gears.
+        """
+        from ncgear.contact.designed.as_designed import as_designed
         from ncgear.dynamics.pair_places import stiffness_range
         from ncgear.project.forces import stiffness_of
 
-        stiffness = stiffness_of(self.design.simulation, self.pair_stiffness)
+        sections, designed = self.face_sections.each, self.designed_contact
+        own, teeth, count = self.section_stiffness[0], sections[0].teeth, len(sections)
+        stiffness = stiffness_of(self.design.simulation, lambda places: count * own(places), 1.0)
         with self.stopwatch("gaps"):
-            return stiffness_range(self.pitch, self.teeth, self.designed_contact, stiffness)
+            placed = designed if count == 1 else as_designed(teeth, designed.placement)
+            return stiffness_range(self.pitch, teeth, placed, stiffness)
 
     def _loaded_at(self, phi1_rad: Array, stiffness_factor: float = 1.0) -> LoadedContact:
         """The teeth, stiffer by a factor, under the rigid level's torque at driving angles in rad, shape (n,)."""
@@ -453,6 +460,7 @@ class Drive(Geared):
 
     def _loaded_with(self, stiffness_factor: float) -> LoadedContact:
         """As ``loaded_contact``, with teeth stiffer by a factor."""
+        self.require_one_pair()
         phi1, _, _ = self.motion.phi1_rad, self.rigid, self.meshing
         with self.stopwatch("band of stiffness" if stiffness_factor != 1.0 else "loaded contact"):
             return self._loaded_at(phi1, stiffness_factor)
@@ -467,22 +475,21 @@ class Drive(Geared):
     def course_with(self, stiffness_factor: float, accuracy: float) -> Course:
         """The motion in time with teeth stiffer by a factor; raises as ``dynamics.motion_in_time.course`` does.
 
-        A motor that stops during the turns is refused at once.
+        Of pairs in series all are followed together.  A motor that stops during the turns is refused at once.
         """
-        from ncgear.dynamics.crank_load import crank_load
-        from ncgear.dynamics.motion_in_time import Start, ToothedMachine, course, started
-        from ncgear.project.forces import damped, drive_line_of, mean_inertia, swinging_inertia
+        from ncgear.dynamics.motion_in_time import Start, course, started
+        from ncgear.project.forces import drive_line_of, toothed_machine
         from ncgear.project.motor import fitting_simulated, told_words
 
         if self.motor_stall is not None:
             raise NoSuchMechanism(f"{self.motor_stall}; {told_words(fitting_simulated(self))}", key=MOTOR)
         given, masses, speed = self.design.simulation, self.masses, self.machine.speed_rad_s
-        driving, meshing = drive_line_of(given, masses, speed), self.meshing.stiffened(stiffness_factor)
+        driving = drive_line_of(given, masses, speed)
+        meshings = [pair.meshing.stiffened(stiffness_factor) for pair in self.by_stage]
         with self.stopwatch("motion in time" if stiffness_factor == 1.0 else "band of stiffness"):
-            load = crank_load(self.linkage, masses, self.machine.load)
-            inertia = swinging_inertia(meshing, driving.inertia_n_mm_s2, mean_inertia(load))
-            toothed = ToothedMachine(driving, damped(given, meshing, inertia), load)
-            state = started(toothed, self.transmission, Start(given.start), speed)
+            toothed = toothed_machine(given, driving, meshings, masses, self.machine)
+            laws_before = self.loaded_machine(self.machine).laws_before
+            state = started(toothed, self.transmission, Start(given.start), speed, laws_before)
             said = "" if stiffness_factor == 1.0 else f" at {stiffness_factor:g} times the stiffness"
             began_s = perf_counter()
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 from math import pi, sqrt
 
 import numpy as np
@@ -14,13 +15,14 @@ from ncgear.dynamics.crank_load import CrankLoad, crank_load
 from ncgear.dynamics.driven_side import IDLE
 from ncgear.dynamics.flank_changes import JUMP, BorneTorque, borne_torque, flanks_of
 from ncgear.dynamics.gaps import LEAST_IN_MODULES, PER_TOOTH, WITHIN_IN_MODULES, Gaps, gaps_of
+from ncgear.dynamics.law_table import law_table
 from ncgear.dynamics.loaded_machine import RigidMachine
 from ncgear.dynamics.meshing import Friction, Impact, Meshing
-from ncgear.dynamics.motion_in_time import DriveLine, EvenDrive, Motor, law_table
+from ncgear.dynamics.motion_in_time import DriveLine, EvenDrive, Motor, ToothedMachine
 from ncgear.dynamics.pair_places import PairStiffness
 from ncgear.dynamics.train_knocks import KnockingTrain, TrainPair
 from ncgear.errors import WrongInput
-from ncgear.kinematics.motion import stretches
+from ncgear.kinematics.motion import Machine, stretches
 from ncgear.mechanisms.forces import Masses
 from ncgear.numerics.arrays import Array, distinct
 from ncgear.numerics.bounds import shown_above, shown_below
@@ -78,14 +80,15 @@ def meshing_of(
 ) -> Meshing:
     """The pair of gears under load, with the given stiffness or else with the teeth's own stiffness.
 
-    ``sections`` are the teeth beside each other along the face width, a single one for straight teeth, each with its
-    stiffness.  Only ``sides`` of the teeth can touch, and pairs that are ``within_modules`` of the first contact.
+    ``sections`` of equal width are the teeth beside each other along the face width, a single one for straight teeth,
+    each with its stiffness.  Only ``sides`` of the teeth can touch, and pairs that are ``within_modules`` of the first
+    contact.
     """
     depth_mm = given.full_damping_depth_mm or pitch.size.module_mm / FULLY_DAMPED
-    impact = Impact(given.exponent, given.damping_n_s_mm or 0.0, depth_mm)
+    impact = Impact(given.exponent, (given.damping_n_s_mm or 0.0) / len(sections), depth_mm)
     per_tooth = PER_TOOTH if len(sections) == 1 else PER_TOOTH // 2
     followed = per_tooth, sides, within_modules
-    parts = [gaps_of(teeth, pitch, stiffness_of(given, own), *followed) for teeth, own in sections]
+    parts = [gaps_of(teeth, pitch, stiffness_of(given, own, 1.0 / len(sections)), *followed) for teeth, own in sections]
     key = given.stiffness_n_mm and STIFFNESS_KEY
     return Meshing(law_table(pitch.transmission), Gaps.beside(parts), impact, friction_of(given), key or None)
 
@@ -109,10 +112,10 @@ def friction_of(given: Simulation) -> Friction:
     return Friction(rub.static, rub.dynamic, rub.static_speed_mm_s, rub.dynamic_speed_mm_s)
 
 
-def stiffness_of(given: Simulation, own: PairStiffness) -> PairStiffness:
-    """The given stiffness of pairs of teeth, or else their ``own``."""
+def stiffness_of(given: Simulation, own: PairStiffness, share: float) -> PairStiffness:
+    """The ``own`` stiffness of pairs of teeth in a ``share`` of the face width, or else that share of the given one."""
     constant = given.stiffness_n_mm
-    return own if constant is None else lambda places: np.full(places.flanks.shape, constant)
+    return own if constant is None else lambda places: np.full(places.flanks.shape, share * constant)
 
 
 def damped(given: Simulation, meshing: Meshing, inertia_n_mm_s2: float) -> Meshing:
@@ -140,6 +143,27 @@ def swinging_inertia(meshing: Meshing, driving_n_mm_s2: float, driven_n_mm_s2: f
     ratio = float(np.mean(meshing.law.at(crank_rad)[1]))
     driving = ratio**2 / driving_n_mm_s2 if driving_n_mm_s2 else 0.0
     return 1.0 / (1.0 / driven_n_mm_s2 + driving)
+
+
+def toothed_machine(
+    given: Simulation, driving: DriveLine, meshings: Sequence[Meshing], masses: Masses, machine: Machine
+) -> ToothedMachine:
+    """A machine whose pairs of gears, from the driving shaft on, are damped as given.
+
+    Raises WrongInput where a shaft between pairs in series has no inertia.
+    """
+    load = crank_load(machine.linkage, masses, machine.load)
+    between = tuple(N_PER_KG_MM_S2 * one for one in masses.between_inertia_kg_mm2)
+    if len(meshings) > 1 and not (len(between) == len(meshings) - 1 and all(between)):
+        raise WrongInput(
+            "a shaft between pairs of gears has no inertia, and no motion in time; give it above 0",
+            key="masses.shaft_between_kg_mm2",
+        )
+    shafts = pairwise([driving.inertia_n_mm_s2, *between[: len(meshings) - 1], mean_inertia(load)])
+    *before, last = (
+        damped(given, meshing, swinging_inertia(meshing, *ends)) for meshing, ends in zip(meshings, shafts, strict=True)
+    )
+    return ToothedMachine(driving, last, load, tuple(before), between[: len(before)])
 
 
 def mean_inertia(load: CrankLoad) -> float:

@@ -545,7 +545,7 @@ class Geared(Moving):
         """Raise WrongInput where there are more pairs of gears."""
         if self.design.stages > 1:
             said, key = self.design.stages_said
-            problem = f"{said}; teeth under load are followed of one; ncgear simulate --level rigid computes forces"
+            problem = f"{said}; teeth at rest under load are computed of one; --level dynamic follows all in motion"
             raise WrongInput(problem, key=key)
 
     def _rigid(self, driving: Callable[[], DrivingShaft]) -> Rigid:

@@ -8,8 +8,8 @@ from math import cos
 import numpy as np
 
 from ncgear.dynamics.gaps import LEVER, STIFFNESS, Gaps
+from ncgear.dynamics.law_table import law_table
 from ncgear.dynamics.meshing import Impact, Meshing
-from ncgear.dynamics.motion_in_time import law_table
 from ncgear.numerics.periodic_table import PeriodicTable
 from ncgear.project.drive import Drive
 from ncgear.project.forces import FULLY_DAMPED, friction_of

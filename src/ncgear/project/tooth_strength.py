@@ -230,9 +230,9 @@ def stiffnesses(
     ]
 
 
-def estimated(gear: ToothedGear, material: Material) -> ToothMethod:
+def estimated(gear: ToothedGear, material: Material, helix_rad: float = 0.0) -> ToothMethod:
     """The estimate of the teeth of a gear; where it fails for lack of a fillet, teeth that are all alike."""
     try:
-        return estimate_of(gear, material)
+        return estimate_of(gear, material, helix_rad)
     except NoSuchMechanism:
         return EvenTeeth(material.youngs_modulus_mpa)

@@ -110,8 +110,6 @@ def _idle_sections(drive: Drive) -> Iterator[Idle]:
         why = {
             "with gears that turn less than once, which are not followed under load": design.motion.is_open,
             "without masses, of which ncgear simulate needs all": design.masses is None,
-            "with helical teeth, which are not followed in motion": design.gears.helix is not None,
-            "with two pairs of gears, and forces are computed of one": design.stages > 1,
         }
         helps = "give masses" if design.masses is None and not design.motion.is_open else "leave it out"
         found = [(simulated, next((words for words, true in why.items() if true), ""), helps)]

@@ -11,7 +11,7 @@ from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.answer import Answer, Row, difference, faults_of, row
 from ncgear.figures.answers.machine import THIS, head_of
 from ncgear.figures.numbers import PLACE, figure, name_of, to_digits
-from ncgear.figures.simulated import SAME_AS_MESH
+from ncgear.figures.simulated import SAME_AS_MESH, pairs_in_time
 from ncgear.figures.strong import decided_words
 from ncgear.figures.summary.check_summary import uniform_key
 from ncgear.project.drive import Drive
@@ -29,7 +29,7 @@ AFTER = {
     Level.QUASI_STATIC: "ncgear simulate {file} --level dynamic",
     Level.DYNAMIC: "ncgear strength {file}",
 }
-"""What to run after each level, where the design has gears; several pairs have the rigid level only."""
+"""What to run after each level, where the design has gears; several pairs have no level quasi_static."""
 
 COMPARED = (
     "peak_driving_torque_n_m",
@@ -51,13 +51,12 @@ LOADED = ("peak_driving_torque_n_m", "most_pairs", "contact_ratio_mean", "contac
 MOVED = (
     "peak_pushing_force_n",
     "peak_back_force_n",
-    "peak_driving_torque_n_m",
     "partings_of_pushing_flanks",
     "time_with_pushing_flanks_apart_s",
     "losses_of_contact",
     "time_without_contact_s",
 )
-"""What is told of the motion in time, besides the output and the bearings."""
+"""What is told of each pair in the motion in time, besides the output, the bearings and the driving torque."""
 
 
 def simulated_answer(drive: Drive, level: Level, figures: Mapping[str, Any], verdict: Verdict, file: str) -> Answer:
@@ -77,12 +76,15 @@ def simulated_answer(drive: Drive, level: Level, figures: Mapping[str, Any], ver
             rows = [row(key, loaded[key], *(one.get(key) for one in band.values())) for key in IN_BAND]
             rows += [row(key, loaded[key]) for key in LOADED] + _not_followed(band)
         case Level.DYNAMIC:
-            sections = drive.linkage.OUTPUT.name.replace(" ", "_"), "bearings"
-            told = (one for section in sections for one in figures[section].items())
-            rows = [row(key, value) for key, value in told if not key.endswith(PLACE)]
-            rows += [row(key, figures["motion_in_time"][key]) for key in MOVED]
+            pairs, moved = pairs_in_time(figures), figures["motion_in_time"]
+            output, bearings = figures[drive.linkage.OUTPUT.name.replace(" ", "_")], figures["bearings"]
+            rows = [row(key, value) for key, value in output.items() if not key.endswith(PLACE)]
+            rows += [Row(name_of(key), (", ".join(figure(key, pair[key]) for pair in pairs),)) for key in MOVED]
+            rows += [row("peak_driving_torque_n_m", moved["peak_driving_torque_n_m"])]
+            rows += [row(key, value) for key, value in bearings.items() if not key.endswith(PLACE)]
+            about += f"; teeth of {drive.design.stages_said[0]}, from the driving shaft on" if len(pairs) > 1 else ""
             rows += _not_followed(figures["band_of_stiffness"])
-    rated = AFTER[level if drive.design.stages == 1 else Level.DYNAMIC]
+    rated = AFTER[level if drive.design.stages == 1 or level is Level.DYNAMIC else Level.QUASI_STATIC]
     after = "ncgear build {file}" if refusal_of_series(drive) else rated
     return Answer(
         head_of(drive),
