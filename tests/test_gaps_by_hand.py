@@ -71,7 +71,7 @@ def test_outlines_are_compared_along_the_line_of_action_and_further_in_bowls(
 def test_scales_of_a_motion_are_hundredths_of_the_work_of_a_turn(moving: float, work: float) -> None:
     table = {0.0: 7.0, 2.0 * pi: 80.0}
     load = Made(energy_n_mm=lambda place, speed: moving, table=Made(at=lambda place: [[0.0, table[place]]]))
-    found = motion_in_time._scales(Made(drive=Made(speed_rad_s=3.0), load=load))
+    found = motion_in_time._scales(Made(drive=Made(speed_rad_s=3.0), load=load, before=()))
     assert found == pytest.approx([0.01, 0.03, 0.01, 0.03, 0.01 * work, 0.01 * work])
 
 
