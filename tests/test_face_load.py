@@ -98,6 +98,14 @@ def test_end_relief_alone() -> None:
     assert factor(model, pressed(1000.0)) == pytest.approx(2.0, rel=1e-3)
 
 
+@at_once("askew", [0.0, 0.005, 0.02])
+def test_flanks_relieved_up_to_their_middle_bear_worst_if_not_askew(askew: float) -> None:
+    """They touch along an edge of slope s = 2 relief / b: F = w^2 / (c s), and on one side of it if askew."""
+    relief, force = 0.02, 2000.0
+    model = FaceModel((RIGID, RIGID), (None, 0.0), WIDTH, askew, LeadForm(0.0, relief, WIDTH / 2.0))
+    assert factor(model, pressed(force)) == pytest.approx(sqrt(2e4 * 2.0 * relief * WIDTH / force), rel=1e-3)
+
+
 @at_once(
     ("at", "loaded", "expected"),
     [
@@ -170,7 +178,7 @@ def by_elements(model: FaceModel, loads: FaceLoads, count: int = 80) -> float:
     whole[: sizes[0], : sizes[0]], whole[sizes[0] : -1, sizes[0] : -1] = matrices
     force, stiffness = float(loads.force_n[0]), float(loads.stiffness_n_mm2[0]) * width / count
     largest = []
-    for sense in (1.0, -1.0):
+    for sense in (0.0, 1.0, -1.0):
         gap = model.lead.gap_mm(across, width) + sense * model.askew_mm * across / width
         # Approach of both gears: unknown x less the ways of both shafts apart from each other.
         closing = np.concatenate([-teeth[0], -teeth[1], np.ones((count, 1))], axis=1)

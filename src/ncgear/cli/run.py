@@ -65,10 +65,10 @@ class _End:
 
     def ignore(self) -> None:
         """Ignore these signals from now on, so that none can interrupt the end of the interpreter."""
-        for number in ENDING:
-            signal.signal(number, signal.SIG_IGN)
         if self.came and hasattr(signal, "setitimer"):
             signal.setitimer(signal.ITIMER_REAL, 0.0)
+        for number in ENDING:
+            signal.signal(number, signal.SIG_IGN)
 
 
 def _imports_compiled(frame: FrameType | None) -> bool:
@@ -88,7 +88,11 @@ def main() -> NoReturn:
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     end = _End()
     sys.unraisablehook = quiet_of_interrupts
-    status, last_words = _run()
+    status, last_words = 1, ""
+    # A signal that ends the run comes again and again: once more, maybe, when the run is over
+    with suppress(KeyboardInterrupt):
+        status, last_words = _run()
+        end.ignore()
     end.ignore()
     if end.came and status:
         status, last_words = BY_SIGNAL + end.came, LAST_WORDS

@@ -178,7 +178,7 @@ class FaceModel:
     """A pair on its shafts: ``shafts`` of the driving and the driven gear, and what else presses on these.
 
     ``beside_mm`` are the places of a second gear or of the crank, None where nothing else presses.  ``askew_mm`` is
-    the misalignment of the flanks over the width, in either sense.
+    the greatest misalignment of the flanks over the width, in either sense.
     """
 
     shafts: tuple[SteelShaft, SteelShaft]
@@ -188,7 +188,7 @@ class FaceModel:
     lead: LeadForm
 
     def factors(self, loads: FaceLoads) -> Array:
-        """K_Hbeta at n positions, shape (n,), for the worse sense of misalignment; 1 without force.
+        """K_Hbeta at n positions, shape (n,), for the worst of no misalignment and of both senses; 1 without force.
 
         Raises as ``largest_line_load`` does.
         """
@@ -217,7 +217,7 @@ class FaceModel:
             tilts = np.stack([body @ couple for body in bodies]) / (at @ couple)
             gap = gap + (force[:, None] * loads.couples_mm[pressed]) @ tilts
         askew = self.askew_mm * at / self.width_mm
-        senses = (1.0, -1.0) if self.askew_mm else (1.0,)
+        senses = (0.0, 1.0, -1.0) if self.askew_mm else (0.0,)
         gaps, each = np.concatenate([gap + sense * askew for sense in senses]), (len(senses), 1, 1)
         loads_n_mm = largest_line_load(
             at, gaps, np.tile(compliance, each), np.tile(stiffness, len(senses)), np.tile(force, len(senses))
