@@ -272,7 +272,7 @@ def course(
     """The motion from a state (shape (6,)) over ``turns`` of the driving gear.
 
     ``on_turns`` receives the number of finished turns.  Raises NoSuchMechanism where the drive stalls, teeth are
-    pressed too deep into each other, or energy does not balance, and Unanswered where steps get too short.
+    pressed too deep into each other, or energy does not balance.
     """
     begin, target_rad = complex(state[0], state[2]), float(state[0]) + 2.0 * pi * turns
     own = StateByState(machine.drive.answer, machine.drive.inertia_n_mm_s2, machine.meshing, machine.load)
@@ -378,9 +378,10 @@ def _checked(found: Course) -> Course:
 
 def _stalled(machine: ToothedMachine, time_s: float, place: complex, after: str) -> NoSuchMechanism:
     driving, crank = in_words(place.real), in_words(place.imag)
-    right = "more torque or a heavier flywheel is needed" if isinstance(machine.drive, Motor) else "softer teeth help"
+    moved = isinstance(machine.drive, Motor)
+    right = "more torque or a heavier flywheel is needed" if moved else "softer teeth or less damping help"
     return NoSuchMechanism(
         f"the drive does not get on: after {time_s:.4g} s, {after}, it is at phi1 = {driving}, crank at {crank}; "
         f"{right}",
-        key="simulation.motor" if isinstance(machine.drive, Motor) else "simulation",
+        key="simulation.motor" if moved else "simulation",
     )

@@ -91,9 +91,9 @@ def steps(
             growth = 1.0
 
 
-SLOW, OVERDAMPED = 4e-3, 3.8
-"""Square of the angle of swing in a step below which, and square of the damping as a multiple of the stiffness from
-which, the spring counts with the rest: the closed forms of the swing would lose digits, or there is no swing."""
+SLOW, OVERDAMPED = 4e-3, 400.0
+"""Square of the angle of swing in a step below which, and square of the damping as a multiple of the stiffness (4: the
+critical damping) from which, the spring counts with the rest: closed forms of the swing would lose digits."""
 
 KINK = 0.2
 """Change of the stiffness within a step, as a share, from which the rest has a kink there: bodies meet or part."""
@@ -151,14 +151,24 @@ def stepped(pulling: Pulling, start: Pulled, before: Stepped | None, width: floa
     return Stepped(moved(half, slope, bend), end, stage, width, missed)
 
 
+ALIKE = 1e-5
+"""Least difference of both rates of decay, as a share of them, at which their closed form keeps its digits."""
+
+
 def _swung(time: float, rest: tuple[float, float, float], stiffness: float, damping: float) -> tuple[float, float]:
     """Way and speed of r'' + damping r' + stiffness r = a + b t + c t^2 from rest at 0."""
     bend = rest[2] / stiffness
     slope = (rest[1] - 2.0 * damping * bend) / stiffness
     place = (rest[0] - damping * slope - 2.0 * bend) / stiffness
     half = 0.5 * damping
-    swing, decay = sqrt(stiffness - half * half), exp(-half * time)
-    cosine, sine = decay * cos(swing * time), decay * sin(swing * time) / swing
+    square = stiffness - half * half
+    if square > 0.0:
+        swing, decay = sqrt(square), exp(-half * time)
+        cosine, sine = decay * cos(swing * time), decay * sin(swing * time) / swing
+    else:
+        split = max(sqrt(-square), ALIKE * half)
+        slowly, fast = exp(-stiffness / (half + split) * time), exp(-(half + split) * time)
+        cosine, sine = (slowly + fast) / 2.0, (slowly - fast) / (2.0 * split)
     way = place * (1.0 - cosine - half * sine) + slope * (time - sine) + bend * time * time
     speed = place * stiffness * sine + slope * (1.0 - cosine + half * sine) + 2.0 * bend * time
     return way, speed
