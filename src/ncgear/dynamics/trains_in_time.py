@@ -57,7 +57,8 @@ def train_steps(
             stop_rad, way_rad = load.next_stop_rad(float(shafts[-2]))
             most_s = way_rad / max(abs(float(shafts[-1])), even_rad_s)
             small = accuracy * SMALL * np.tile([1.0, even_rad_s], shafts.size // 2)
-            solver = LSODA(lambda _, now: change(now), time_s, shafts, np.inf, None, most_s, accuracy, small)
+            how = {"max_step": most_s, "rtol": accuracy, "atol": small}
+            solver = LSODA(lambda _, now: change(now), time_s, shafts, np.inf, **how)
         try:
             solver.step()
         except (ArithmeticError, ValueError):
