@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from ncgear.numerics.oscillator_steps import Pull, Pulled, stepped
+from ncgear.numerics.oscillator_steps import Pull, Pulled, stepped, steps
 
 LIGHT, HEAVY, RATIO = 2.0, 5.0, 1.5
 """Inertias of x and y, and the ratio of the spring's relative place y - ratio x."""
@@ -53,3 +53,23 @@ def test_a_spring_that_softens_is_followed_with_order_four() -> None:
     errors = [abs(end(count) - exact) for count in (10, 20, 40)]
     assert np.log2(errors[0] / errors[1]) > 3.7
     assert np.log2(errors[1] / errors[2]) > 3.7
+
+
+def test_a_trial_step_that_overflows_is_tried_again_in_parts() -> None:
+    """Numbers end where a step of 4 leads; the next, of a fifth, is as if that were the first."""
+
+    def found(width: float) -> tuple[list[bool], Pulled]:
+        def pulling(place: complex, speed: complex) -> Pull:
+            if abs(place) > 1.5:
+                raise OverflowError
+            return pulled(place, speed, 6.0, 0.7)
+
+        taken, now = list[bool](), start(0.2 + 0.5j, 1.0 - 0.4j, 6.0, 0.7)
+        for step in steps(pulling, now, width, lambda _: 4.0, lambda _: 1.0):
+            taken.append(step is not None)
+            if step is not None:
+                return taken, step.end
+        raise AssertionError
+
+    assert found(4.0)[0] == [False, True]
+    assert found(0.8) == ([True], found(4.0)[1])

@@ -4,8 +4,9 @@ The driving gear turns at a constant speed, or a motor with a flywheel turns it.
 phi2', work of the drive, losses of the teeth), then angle and speed of each shaft between pairs in series, from the
 driving shaft on; work and losses follow from the motion for the balance of energy.  The motion starts on the law under
 its load, or from rest.  A step ends at each dead centre, where the resistance starts or ends, and at each narrow peak
-of the resistance, which steps might pass over.  The spring of a single pair swings in closed form in a step; pairs in
-series, of which several swing at once, are followed by a solver for any stiff equations.
+of the resistance, which steps might pass over.  The spring of a single pair of straight teeth swings in closed form in
+a step; pairs in series, of which several swing at once, and helical teeth, of which another section begins or ends to
+touch every few steps, are followed by a solver for any stiff equations.
 """
 
 from __future__ import annotations
@@ -285,7 +286,7 @@ def course(
     pressed too deep into each other, or energy does not balance.
     """
     goes_on, target_rad = _watch(machine, float(state[0]), turns, on_turns), float(state[0]) + 2.0 * pi * turns
-    followed = _train if machine.before else _pair
+    followed = _train if machine.before or machine.meshing.gaps.sections > 1 else _pair
     return _checked(_with_work(machine, state, *followed(machine, state[machine.rows], target_rad, accuracy, goes_on)))
 
 
@@ -320,7 +321,7 @@ Followed = tuple[Array, Array, Array]
 
 
 def _train(machine: ToothedMachine, shafts: Array, target_rad: float, accuracy: float, goes_on: GoesOn) -> Followed:
-    """Pairs in series, from the angles and the speeds of all shafts."""
+    """Pairs in series or helical teeth, from the angles and the speeds of all shafts."""
     own = TrainByState(machine.drive.answer, machine.meshing, machine.load, machine.before, machine.between_n_mm_s2)
     ends, found = (machine.drive.speed_rad_s, target_rad), [TrainStep(0.0, shafts, shafts)]
     for step in train_steps(own.change, machine.load, shafts, ends, accuracy):
@@ -357,6 +358,8 @@ def _pair(machine: ToothedMachine, shafts: Array, target_rad: float, accuracy: f
 def _most_s(machine: ToothedMachine, target_rad: float) -> Callable[[Pulled], float]:
     """How long a step may be: up to a driving angle, or to the next stop of the load."""
     even_rad_s, stop_rad, way_rad = machine.drive.speed_rad_s, -inf, inf
+    # Teeth that come and go within a step would not be seen
+    place_rad = float(np.diff(machine.meshing.gaps.table.breaks).max())
 
     def most_s(now: Pulled) -> float:
         nonlocal stop_rad, way_rad
@@ -365,7 +368,9 @@ def _most_s(machine: ToothedMachine, target_rad: float) -> Callable[[Pulled], fl
         most = way_rad / max(abs(now.speed.imag), even_rad_s)
         if now.speed.imag > 0.0:
             most = min(most, max(NEARLY * (stop_rad - now.place.imag), CLEAR_RAD) / now.speed.imag)
-        return min(most, (target_rad - now.place.real) / now.speed.real) if now.speed.real > 0.0 else most
+        if now.speed.real > 0.0:
+            most = min(most, min(place_rad, target_rad - now.place.real) / now.speed.real)
+        return most
 
     return most_s
 
