@@ -315,7 +315,7 @@ def test_gears_are_polished_by_fewer_or_more_teeth_nearby(
     monkeypatch.setattr(sizing, "POLISH", 1.0)
     own: Any = Made(
         drive=Made(gears=Made(lobes=Made(driving=1))),
-        space=Made(fewest_teeth=12),
+        _fewest_teeth=12,
         refused={36} - good,
         trials=5,
         volume=lambda one, module: 100.0 * one,

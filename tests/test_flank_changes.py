@@ -16,6 +16,7 @@ from ncgear.dynamics.flank_changes import BorneTorque, borne_torque, joined
 from ncgear.dynamics.gaps import Gaps
 from ncgear.dynamics.meshing import HARDEST, Friction, Impact, Meshing, moments_n_mm, near_pairs
 from ncgear.figures.advice.strength_advice import unfollowed_motion
+from ncgear.numerics.arrays import Array
 from ncgear.numerics.periodic_table import PeriodicTable
 from ncgear.project.strengthening import rating_of
 
@@ -176,6 +177,18 @@ def test_a_knock_between_two_angles_counts_at_the_nearer_one_in_every_turn() -> 
         assert np.delete(hardest, rows) == pytest.approx(max(urge, 0.0))
         assert np.abs(found.at(angles)).max() == 1.0
     assert [one.tolist() for one in found.peaks(1.5)] == [pytest.approx([1.14, 1.18]), [-4.0, 9.0]]
+
+
+def test_where_nothing_knocks_the_torque_asked_for_is_the_hardest() -> None:
+    """Laws give no angle for no place."""
+
+    def asked(phi1_rad: Array) -> Array:
+        assert phi1_rad.size
+        return np.ones_like(phi1_rad)
+
+    still, angles = BorneTorque(asked, TURN, knocks=()), np.linspace(0.0, TURN, 7)
+    assert [still.hardest(urge, angles).tolist() for urge in (1.0, -1.0)] == [[1.0] * 7, [0.0] * 7]
+    assert not still.peaks(TURN)[0].size
 
 
 def test_pairs_count_that_the_hardest_load_presses() -> None:

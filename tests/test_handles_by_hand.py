@@ -185,13 +185,14 @@ def test_the_volume_of_gears_grows_with_their_scale_within_the_space() -> None:
     first = Made(drive=Made(pitch=Made(center_distance_mm=60.0)), diameter_mm=90.0, module_mm=2.0)
 
     def volume(center: float = 135.0, diameter: float = 199.5, small: float = 89.0, modules: float = 10.0) -> float:
-        space = Made(center_distance_mm=center, diameter_mm=diameter, width_modules=modules)
+        space = Made(center_distance_mm=center, diameter_mm=diameter)
         search: Any = Made(
             computed=[first],
             space=space,
             too_small_mm=small,
             scale=lambda teeth, module: teeth * module / 40.0,
             width=lambda teeth, module: 30.0,
+            widths_mm=lambda module: (1.0, modules * module),
         )
         return sizing._Search.volume(search, 30, 3.0)
 

@@ -351,7 +351,7 @@ def test_a_rough_mean_stiffness_has_all_sides_of_the_teeth(monkeypatch: pytest.M
 
 
 @pytest.mark.judges("project")
-def test_knocks_are_shaken_by_the_larger_of_the_laws_part_and_the_motions() -> None:
+def test_knocks_are_shaken_by_the_larger_of_the_laws_part_and_the_motions(monkeypatch: pytest.MonkeyPatch) -> None:
     """K_V of half the force for the law's half of the torque, or of the followed motion."""
     asked: list[Any] = []
 
@@ -359,10 +359,11 @@ def test_knocks_are_shaken_by_the_larger_of_the_laws_part_and_the_motions() -> N
         asked.append((force.tolist(), followed))
         return np.array([1.1, 1.5]) if followed else np.array([2.4, 2.0])
 
-    load: Any = Made(phi1_rad=np.array([0.1, 0.2]), force_n=np.array([100.0, 80.0]))
-    borne: Any = Made(
-        phi1_rad=np.array([0.0]), asked=lambda phi: np.array([-2.0, 1.0]), at=lambda phi: np.array([4.0, -4.0])
-    )
+    load: Any = Made(phi1_rad=np.array([0.1, 0.2]), force_n=np.array([100.0, 80.0]), urge=np.array([-1.0, 1.0]))
+    borne: Any = Made(phi1_rad=np.array([0.0]), asked=lambda phi: np.array([-2.0, 1.0]))
+    # Forces per torque by which the followed torque is 4 in both places.
+    per = Made(mesh_force=lambda phi, urge: Made(size_n=Made(value=np.array([25.0, 20.0]))))
+    monkeypatch.setattr(rough_strength, "asked_of", lambda drive: per)
     drive: Any = Made(vibration=Made(factors=factors), conditions=Made(dynamic_factor=None))
     found = rough_strength._shaken(drive, load, None, borne)
     assert found == pytest.approx([max(0.5 * 2.4, 1.1), max(0.25 * 2.0, 1.5)])

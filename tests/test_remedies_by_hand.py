@@ -24,7 +24,7 @@ def test_herringbones_are_as_narrow_as_holds(
 ) -> None:
     """Straight teeth of 2 mm are 40 mm wide; herringbones of 30 deg hold from ``least`` on, at least 10."""
     straight: Any = Made(
-        design=Made(motion=Made(is_open=False), key_in_file=str),
+        design=Made(motion=Made(is_open=False), key_in_file=str, gears=None),
         helix=None,
         pitch=Made(driven=Made(is_ring=False)),
         gears=Made(idlers=None, method="exact"),
@@ -40,6 +40,7 @@ def test_herringbones_are_as_narrow_as_holds(
         widths.append(drive.width)
         return Made(face_width_mm=drive.width, share=drive.width / least, holds=drive.width >= least)
 
+    monkeypatch.setattr(sizing, "widths_mm", lambda design: (0.0, np.inf))
     monkeypatch.setattr(sizing, "changed_drive", changed)
     monkeypatch.setattr(sizing, "rating_of", lambda *_: None)
     monkeypatch.setattr(sizing, "Sized", sized)

@@ -284,8 +284,8 @@ def test_the_least_width_that_holds_is_found_to_a_millimetre(least: float, power
         return search.computed[-1]
 
     wide = gears(30, 2.0, 40.0, (40.0 / least) ** power)
-    space = Made(least_width_modules=3.0)
-    search = Made(space=space, computed=[gears(30, 2.0, 99.0, 9.0), wide], narrowings=0, most_narrowed=30, made=made)
+    search = Made(computed=[gears(30, 2.0, 99.0, 9.0), wide], narrowings=0, most_narrowed=30, made=made)
+    search.widths_mm = lambda module: (3.0 * module, np.inf)
     search.width = lambda *_: np.ceil(0.8 * least)
     best, known = _Search.narrowed(search, wide)
     assert (best.face_width_mm, known) == (np.ceil(least), True)

@@ -306,7 +306,7 @@ def test_a_balance_is_enclosed_from_the_first_touch_on(torque: float, low: float
 
 @pytest.mark.judges("dynamics")
 def test_the_next_pair_is_the_one_after_the_deepest() -> None:
-    near = Made(urge=np.array([[1.0, 1.0, 0.0, -1.0]] * 2))
+    near = Made(urge=np.array([[1.0, 1.0, 0.0, -1.0]] * 2), number=None)
     forces: Any = Made(near=near, depth_mm=np.array([[0.3, 0.1, 9.0, 0.2], [0.1, -0.4, 9.0, -0.2]]))
     told = [quasi_static._depth_of_next_mm(forces, pairs).tolist() for pairs in (1, 2)]
     assert told == [[0.2, -0.2], [0.1, -0.4]]

@@ -121,6 +121,8 @@ class BorneTorque:
         The torques are as ``at``, of either sign; shape (m,) each.
         """
         own = np.unique(np.concatenate([one.phi1_rad for one in (self, *self.others)]) % self.cycle_rad)
+        if not own.size:
+            return own, own
         torque = self.at(own)
         size = np.abs(torque)
         top = (size >= np.roll(size, 1)) & (size > np.roll(size, -1))

@@ -166,7 +166,7 @@ def loading_of(
     # Where forces never change, as without a torque, one step is still searched.
     jumps[0] |= not jumps.any()
     inside = solved.rolled_mm[jumps][:, None] + solved.step_mm * np.arange(1, BETWEEN) / BETWEEN
-    more_mm = np.concatenate([inside.ravel(), asked.peaks[0]])
+    more_mm = np.setdiff1d(np.concatenate([inside.ravel(), asked.peaks[0]]), solved.rolled_mm)
     every, torque, found = _added(meshing, pitch, asked, (solved, asked.torque_n_mm, first), more_mm)
     extreme_mm = _extreme_places_mm(meshing, pitch, asked, every, found)
     every, torque, found = _added(meshing, pitch, asked, (every, torque, found), extreme_mm)
