@@ -14,7 +14,7 @@ from shapely.geometry import Point
 from ncgear.balance.gears import Drills, _places
 from ncgear.contact.written import as_written
 from ncgear.design.space import Listed, Ranged
-from ncgear.dynamics import motion_in_time, train_knocks
+from ncgear.dynamics import train_knocks
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures import wished
 from ncgear.figures.numbers import shown
@@ -64,15 +64,6 @@ def test_outlines_are_compared_along_the_line_of_action_and_further_in_bowls(
     both = iter(convex)
     pitch: Any = Made(mesh=Mesh.EXTERNAL, convex=lambda _: next(both))
     assert as_written.reach_mm(pitch, teeth) == pytest.approx(as_written.BEYOND * 5.0 * factor)
-
-
-@pytest.mark.judges("dynamics")
-@pytest.mark.parametrize(("moving", "work"), [(50.0, 80.0), (90.0, 90.0)])
-def test_scales_of_a_motion_are_hundredths_of_the_work_of_a_turn(moving: float, work: float) -> None:
-    table = {0.0: 7.0, 2.0 * pi: 80.0}
-    load = Made(energy_n_mm=lambda place, speed: moving, table=Made(at=lambda place: [[0.0, table[place]]]))
-    found = motion_in_time._scales(Made(drive=Made(speed_rad_s=3.0), load=load, before=()))
-    assert found == pytest.approx([0.01, 0.03, 0.01, 0.03, 0.01 * work, 0.01 * work])
 
 
 @pytest.mark.judges("dynamics")

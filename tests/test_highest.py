@@ -115,6 +115,20 @@ def test_a_function_of_rounding_errors_is_refused_at_once() -> None:
     assert largest_from(scattered, places, values, np.array([1e-7]))[0].value == values.max()
 
 
+@pytest.mark.slow
+def test_rounding_errors_about_a_largest_value_of_zero_are_known_to_the_function_s_size() -> None:
+    def noisy(x: Array) -> Array:
+        return (1e-9 * np.sin(1e13 * x) - 5e3 * np.maximum(x - 0.5, 0.0))[None]
+
+    places = np.linspace(0.0, 1.0, 3001)
+    (top,) = largest_of_each(noisy, places)
+    assert top.value == pytest.approx(0.0, abs=1e-8)
+    assert top.at <= 0.5
+    # Known to 1e-10 of itself alone, it cannot be closed in on.
+    with pytest.raises(Unanswered, match="cannot be told from rounding errors"):
+        largest_from(noisy, places, noisy(places), np.zeros(1))
+
+
 def test_a_jump_is_closed_in_on_no_further_than_is_asked() -> None:
     """Where the highest value lies elsewhere, as right of a jump up to a fall, its own steepness promises nothing.
 

@@ -224,11 +224,11 @@ def test_the_level_in_time_refuses_it_at_once(run: Run) -> None:
 @pytest.mark.slow
 def test_a_motion_that_does_not_get_on_ends_with_its_time_and_crank_angle(monkeypatch: pytest.MonkeyPatch) -> None:
     """The motion in time by itself stands where the rigid machine's energy is used up."""
-    monkeypatch.setattr(motion_in_time, "MOST_STATES", 800)
+    monkeypatch.setattr(motion_in_time, "MOST_STEPS", 800)
     drive = drive_of_text(with_motor(90, 3.0))
     stall = motor_stall(drive)
     assert stall is not None
     vars(drive)["motor_stall"] = None
-    with pytest.raises(NoSuchMechanism, match=r"after \d.* s, 800 states on one place") as caught:
+    with pytest.raises(NoSuchMechanism, match=r"after \d.* s, 800 steps on one place") as caught:
         _ = drive.course
     assert f"phi1 = {stall.phi1_rad:.1f}" in str(caught.value)

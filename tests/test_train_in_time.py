@@ -10,11 +10,13 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from drives import drive_of_text
+from ncgear.dynamics import motion_in_time
 from ncgear.dynamics.crank_load import CrankLoad
 from ncgear.dynamics.history import history, pressed_rad
 from ncgear.dynamics.meshing import Impact, Meshing
 from ncgear.dynamics.motion_in_time import Course, EvenDrive, ToothedMachine, course
-from ncgear.dynamics.place_by_place import TrainByState
+from ncgear.dynamics.place_by_place import StateByState, TrainByState
+from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.periodic_table import PeriodicTable
 from test_flank_changes import INERTIA, LEVER_MM, PLAY_RAD, SPEED, TURN, TURNING, saw, teeth
 from test_series_shafts import TEXT
@@ -142,7 +144,7 @@ def test_a_light_shaft_on_a_stiff_pair_without_play_is_no_shaft() -> None:
 
 @pytest.mark.judges("dynamics")
 def test_states_by_themselves_are_those_of_arrays() -> None:
-    """In states with either pair pressed, apart and on its backs; work and losses too."""
+    """In states with either pair pressed, apart and on its backs."""
     one = machine(0.5 * INERTIA, 0.1)
     rates = TrainByState(one.drive.answer, one.meshing, one.load, one.before, one.between_n_mm_s2).change
     rng = np.random.default_rng(3)
@@ -153,9 +155,26 @@ def test_states_by_themselves_are_those_of_arrays() -> None:
         answer = one.answer(state)
         first, last = answer.teeth
         turned = (first.driven_n_mm.sum() + last.driving_n_mm.sum()) / one.between_n_mm_s2[0]
-        lost = first.loss_n_mm_s.sum() + last.loss_n_mm_s.sum()
-        told = [SPEED, 0.0, state[3], answer.acceleration2_rad_s2, answer.torque_n_mm * SPEED, lost, state[7], turned]
-        assert rates(state) == pytest.approx(np.array(told, dtype=float), rel=1e-12)
+        told = [SPEED, 0.0, state[7], turned, state[3], answer.acceleration2_rad_s2]
+        assert rates(state[one.rows]) == pytest.approx(np.array(told, dtype=float), rel=1e-12)
+
+
+@pytest.mark.judges("dynamics")
+@pytest.mark.parametrize(("pairs", "told"), [(1, "60 steps on one place"), (2, "steps too narrow to count")])
+def test_steps_beyond_all_numbers_are_refused(monkeypatch: pytest.MonkeyPatch, pairs: int, told: str) -> None:
+    """Teeth that may be asked for at the start alone: every trial step overflows."""
+    one, state, asked, right = machine(0.5 * INERTIA), started_at(2.0), list[int](), StateByState._teeth
+    if pairs == 1:
+        one, state = replace(one, before=(), between_n_mm_s2=()), state[:6]
+
+    def teeth(self: StateByState, *shafts: float) -> tuple[float, ...]:
+        asked.append(1)
+        return right(self, *shafts) if len(asked) <= pairs else (1e300**2,)
+
+    monkeypatch.setattr(StateByState, "_teeth", teeth)
+    monkeypatch.setattr(motion_in_time, "MOST_STEPS", 60)
+    with pytest.raises(NoSuchMechanism, match=f"does not get on: after 0 s, {told}"):
+        course(one, state, 0.1)
 
 
 def test_each_pair_parts_by_its_own_shafts() -> None:

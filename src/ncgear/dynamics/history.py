@@ -162,8 +162,7 @@ def meetings_s(pressed: Callable[[Array], Array], time_s: Array, known: Array | 
     """Times, between rising times of shape (n,), at which flanks meet or part.
 
     ``pressed`` gives the angles by which they are pressed into each other, zero or negative where they are apart; at
-    the times these may be ``known``.  The solver's own search for events is not used: it compares the states of steps
-    with the interpolation between them, which LSODA does not join to them exactly.
+    the times these may be ``known``.
     """
     change = np.flatnonzero(np.diff((pressed(time_s) if known is None else known) > 0.0))
     return zeros_between(pressed, time_s[change], time_s[change + 1]) if change.size else np.empty(0)

@@ -1,10 +1,12 @@
-"""The motion of the toothed machine in time: shafts that only their teeth join, by a solver for stiff equations.
+"""The motion of the toothed machine in time: shafts that only their teeth join, stiff springs or none.
 
 The driving gear turns at a constant speed, or a motor with a flywheel turns it.  The state is (phi1, phi1', phi2,
 phi2', work of the drive, losses of the teeth), then angle and speed of each shaft between pairs in series, from the
-driving shaft on; work and losses are integrated along with the motion for the balance of energy.  The motion starts on
-the law under its load, or from rest.  The solver restarts at each dead centre, where the resistance starts or ends, and
-at each narrow peak of the resistance, which its steps might pass over.
+driving shaft on; work and losses follow from the motion for the balance of energy.  The motion starts on the law under
+its load, or from rest.  A step ends at each dead centre, where the resistance starts or ends, and at each narrow peak
+of the resistance, which steps might pass over.  The spring of a single pair of straight teeth swings in closed form in
+a step; pairs in series, of which several swing at once, and helical teeth, of which another section begins or ends to
+touch every few steps, are followed by a solver for any stiff equations.
 """
 
 from __future__ import annotations
@@ -22,12 +24,13 @@ from ncgear.dynamics.crank_load import CLEAR_RAD, CrankLoad
 from ncgear.dynamics.meshing import Meshing, ToothForces, TwoShafts
 from ncgear.dynamics.place_by_place import StateByState, TrainByState
 from ncgear.dynamics.quasi_static import loaded_contact
-from ncgear.errors import NoSuchMechanism, Unanswered
+from ncgear.dynamics.trains_in_time import TrainStep, train_steps
+from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, Number, row_blocks
 from ncgear.numerics.chebyshev import PiecewiseChebyshev, nodes, series
+from ncgear.numerics.oscillator_steps import Pulled, Stepped, joined, steps
 from ncgear.numerics.units import in_words
-from ncgear.numerics.zeros import zeros_between
 from ncgear.ratio.transmission import Transmission, turned_after
 
 
@@ -105,13 +108,16 @@ class ToothedMachine:
     before: tuple[Meshing, ...] = ()
     between_n_mm_s2: tuple[float, ...] = ()
 
+    @property
+    def rows(self) -> list[int]:
+        """The rows of a state with the angle and the speed of each shaft, from the driving shaft on."""
+        return [0, 1, *range(6, 6 + 2 * len(self.before)), 2, 3]
+
     def pairs(self, states: Array) -> list[tuple[Meshing, TwoShafts]]:
         """Each pair, from the driving shaft on, with its own shafts in states of shape (6 + 2 between, ...)."""
-        rows = [0, *range(6, len(states), 2), 2]
-        return [
-            (meshing, TwoShafts(*states[one : one + 2], *states[two : two + 2]))
-            for meshing, (one, two) in zip((*self.before, self.meshing), pairwise(rows), strict=True)
-        ]
+        shafts = [states[row : row + 2] for row in self.rows[::2]]
+        meshings = (*self.before, self.meshing)
+        return [(one, TwoShafts(*ends[0], *ends[1])) for one, ends in zip(meshings, pairwise(shafts), strict=True)]
 
     def law_rad(self, phi1_rad: Array) -> Array:
         """The law's angle of the last driven gear at driving angles, of any shape."""
@@ -182,11 +188,9 @@ def started(
     return np.array([*first, *last, 0.0, 0.0, *chain(*between)])
 
 
-METHOD = "LSODA"
-"""The stiff solver of scipy that has the least error in the same time (docs/speed-against-error.md)."""
-
-ACCURACY = 1e-7
-"""Relative error of a step: the published baler's slider is then at the right place to a micrometre after a turn."""
+ACCURACY = 3e-7
+"""Error of a step as a share of the speed of the shafts.  Largest forces of the shipped machines are then those of an
+explicit method of order 8 at 1e-10 to 4e-4, but for knocks that follow many others."""
 
 ENERGY = 1e-4
 """Share of the work done that the balance of energy may miss."""
@@ -198,9 +202,18 @@ its rise over the step, and closed in on from there.  Peaks of all designs are t
 JUDGED = 0.618
 """Place in each step, as a share of it, where the balance of energy is tested."""
 
-ON_RAD, MOST_STATES = 0.01, 20_000
-"""Least advance of the driving gear within this many states of the solver.  Turning machines take some 300 states for
+ON_RAD, MOST_STEPS = 0.01, 5_000
+"""Least advance of the driving gear within this many steps, taken or tried.  Turning machines take some 50 steps for
 it; a machine that stands, or oscillates between its teeth, would take any number."""
+
+FIRST_RAD = 1e-6
+"""The way of the driving gear at its speed without load in the first step that is tried."""
+
+LEAST_SPEED = 0.01
+"""Speed, as a share of the drive's, below which errors of a step are not measured by the speed of the shafts."""
+
+NEARLY = 0.99
+"""Share of the way to a stop that a step goes at most at its first speed, so that none leads beyond."""
 
 SLOWEST = 20.0
 """The drive must get round in this many times the time that it takes without load."""
@@ -265,134 +278,129 @@ def course(
     state: Array,
     turns: float,
     accuracy: float = ACCURACY,
-    method: str = METHOD,
     on_turns: Callable[[float], None] = unheard,
 ) -> Course:
-    """The motion from a state (shape (6,)) over ``turns`` of the driving gear, by one of scipy's solvers.
+    """The motion from a state (shape (6 + 2 between,)) over ``turns`` of the driving gear.
 
     ``on_turns`` receives the number of finished turns.  Raises NoSuchMechanism where the drive stalls, teeth are
-    pressed too deep into each other, or energy does not balance, and Unanswered where the solver fails.
+    pressed too deep into each other, or energy does not balance.
     """
-    start_rad, target = float(state[0]), float(state[0]) + 2.0 * pi * turns
-    change = _getting_on(machine, lambda phi1_rad: on_turns(min(turns, (phi1_rad - start_rad) / (2.0 * pi))))
-    limit_s = SLOWEST * 2.0 * pi * turns / machine.drive.speed_rad_s
-    steps = [_Step(0.0, state, np.empty((0, *state.shape)))]
-    while steps[-1].state[0] < target - CLEAR_RAD:
-        if steps[-1].time_s >= limit_s:
-            late = f"{SLOWEST:g} times as long as it takes without load"
-            raise _stalled(machine, limit_s, steps[-1].state, late)
-        steps += _leg(machine, change, steps[-1], (limit_s, target), (accuracy, method))
-    return _checked(_joined(machine, steps))
+    goes_on, target_rad = _watch(machine, float(state[0]), turns, on_turns), float(state[0]) + 2.0 * pi * turns
+    followed = _train if machine.before or machine.meshing.gaps.sections > 1 else _pair
+    return _checked(_with_work(machine, state, *followed(machine, state[machine.rows], target_rad, accuracy, goes_on)))
 
 
-Change = Callable[[float, Array], Array]
-"""Derivatives of a state by time, at a time and a state."""
+GoesOn = Callable[[float, complex], bool]
+"""Tells at a time and the angles of the driving gear (real part) and of the crank whether a motion is to go on."""
 
 
-def _getting_on(machine: ToothedMachine, on_way: Callable[[float], None]) -> Change:
-    """The rate of a machine's states; it raises once the driving gear does not advance any more.
+def _watch(machine: ToothedMachine, begin_rad: float, turns: float, on_turns: Callable[[float], None]) -> GoesOn:
+    """Asked after each step, taken or tried, it raises once the driving gear does not get on any more."""
+    limit_s, target_rad = SLOWEST * 2.0 * pi * turns / machine.drive.speed_rad_s, begin_rad + 2.0 * pi * turns
+    tried, furthest_rad = 0, begin_rad
 
-    ``on_way`` receives the driving angle as it advances.
-    """
-    furthest, looked_at, own = -inf, 0, StateByState(machine.drive.answer, machine.meshing, machine.load)
-    if machine.before:
-        own = TrainByState(machine.drive.answer, machine.meshing, machine.load, machine.before, machine.between_n_mm_s2)
+    def goes_on(time_s: float, place: complex) -> bool:
+        nonlocal tried, furthest_rad
+        tried += 1
+        if place.real > furthest_rad + ON_RAD:
+            furthest_rad, tried = place.real, 0
+            on_turns(min(turns, (furthest_rad - begin_rad) / (2.0 * pi)))
+        if place.real >= target_rad - CLEAR_RAD:
+            return False
+        if tried > MOST_STEPS:
+            raise _stalled(machine, time_s, place, f"{MOST_STEPS} steps on one place")
+        if time_s >= limit_s:
+            raise _stalled(machine, time_s, place, f"{SLOWEST:g} times as long as it takes without load")
+        return True
 
-    def change(time_s: float, state: Array) -> Array:
-        nonlocal furthest, looked_at
-        looked_at += 1
-        if state[0] > furthest + ON_RAD:
-            furthest, looked_at = float(state[0]), 0
-            on_way(furthest)
-        if looked_at > MOST_STATES:
-            raise _stalled(machine, time_s, state, f"{MOST_STATES} states on one place")
-        return own.change(state)
-
-    return change
-
-
-DEGREE = 12
-"""Degree of the polynomials between the ends of steps: the highest order of LSODA, above those of scipy's others."""
-
-SHARES = nodes(np.zeros(1), np.ones(1), DEGREE)[:, 0]
-"""The nodes of these polynomials as shares of a step."""
+    return goes_on
 
 
-@dataclass(frozen=True, eq=False)
-class _Step:
-    """The end of a step, its state (shape (6,)), and the states at the nodes of its polynomial, shape (13, 6)."""
-
-    time_s: float
-    state: Array
-    inner: Array
+Followed = tuple[Array, Array, Array]
+"""Times of steps, shape (n + 1,), angles and speeds of all shafts then, shape (rows, n + 1), and their polynomials."""
 
 
-def _leg(
-    machine: ToothedMachine, change: Change, start: _Step, ends: tuple[float, float], how: tuple[float, str]
-) -> list[_Step]:
-    """The solver's steps up to the next stop of the load, or to the final time or driving angle."""
-    from scipy import integrate
-
-    (limit_s, target_rad), (accuracy, method) = ends, how
-    stop_rad, way_rad = machine.load.next_stop_rad(float(start.state[2]))
-    limits = {
-        "rtol": accuracy,
-        "atol": accuracy * _scales(machine),
-        "max_step": way_rad / max(abs(float(start.state[3])), machine.drive.speed_rad_s),
-    }
-    solver = getattr(integrate, method)(change, start.time_s, start.state, limit_s, **limits)
-
-    def beyond(states: Array) -> Array:
-        passed: Array = np.maximum(states[0] - target_rad, states[2] - stop_rad)
-        return passed
-
-    steps, ended = [start], np.False_
-    while solver.status == "running" and not ended:
-        said, before_s = solver.step(), steps[-1].time_s
-        if solver.status == "failed" and machine.meshing.stiffness_key:
-            raise NoSuchMechanism(
-                "the motion of teeth so stiff cannot be followed in time; a smaller stiffness is right",
-                key=machine.meshing.stiffness_key,
-            )
-        if solver.status == "failed":
-            raise Unanswered(f"the motion could not be integrated: {said}")
-        between, end_s, state = solver.dense_output(), solver.t, solver.y
-        ended = state[0] >= target_rad or state[2] >= stop_rad
-        if ended:
-            end_s = _first_s(beyond, between, before_s, end_s)
-            state = between(end_s)
-        # The polynomials of steps join up to the solver's error: the end may be that of the step before
-        if end_s > before_s:
-            steps.append(_Step(end_s, state, between(before_s + (end_s - before_s) * SHARES).T))
-    return steps[1:]
+def _train(machine: ToothedMachine, shafts: Array, target_rad: float, accuracy: float, goes_on: GoesOn) -> Followed:
+    """Pairs in series or helical teeth, from the angles and the speeds of all shafts."""
+    own = TrainByState(machine.drive.answer, machine.meshing, machine.load, machine.before, machine.between_n_mm_s2)
+    ends, found = (machine.drive.speed_rad_s, target_rad), [TrainStep(0.0, shafts, shafts)]
+    for step in train_steps(own.change, machine.load, shafts, ends, accuracy):
+        found.append(step)
+        if not goes_on(step.time_s, complex(*step.shafts[[0, -2]])):
+            break
+    else:
+        last = found[-1]
+        raise _stalled(machine, last.time_s, complex(*last.shafts[[0, -2]]), "steps too narrow to count")
+    every_s, at_ends, inner = zip(*found, strict=True)
+    return np.array(every_s), np.stack(at_ends, axis=1), series(np.stack(inner[1:], axis=1))
 
 
-def _first_s(
-    beyond: Callable[[Array], Array], states: Callable[[Array], Array], before_s: float, after_s: float
-) -> float:
-    """When the states of a step get beyond its end: they are not yet there before, and are after, but for rounding."""
+def _pair(machine: ToothedMachine, shafts: Array, target_rad: float, accuracy: float, goes_on: GoesOn) -> Followed:
+    """A single pair, from the angles and the speeds of both shafts."""
+    begin, speed = complex(shafts[0], shafts[2]), complex(shafts[1], shafts[3])
+    own = StateByState(machine.drive.answer, machine.drive.inertia_n_mm_s2, machine.meshing, machine.load)
+    even_rad_s, time_s = machine.drive.speed_rad_s, 0.0
+    start, found = Pulled(begin, speed, own.pull(begin, speed)), list[Stepped]()
+    now = start
 
-    def beyond_at(time_s: Array) -> Array:
-        return beyond(states(time_s))
+    def allowed(speed: complex) -> float:
+        return accuracy * (LEAST_SPEED * even_rad_s + abs(speed))
 
-    low, high = np.array([before_s]), np.array([after_s])
-    known = -np.abs(beyond_at(low)), np.abs(beyond_at(high))
-    return float(zeros_between(beyond_at, low, high, known)[0])
-
-
-def _scales(machine: ToothedMachine) -> Array:
-    """Scales of small changes in each row of the state: a hundredth of a radian, of the speed, and of a turn's work."""
-    speed = machine.drive.speed_rad_s
-    moving = float(machine.load.energy_n_mm(np.array(0.0), np.array(speed)))
-    work = max(moving, float(machine.load.table.at(2.0 * pi)[0][1]))
-    return 1e-2 * np.array([1.0, speed, 1.0, speed, work, work, *[1.0, speed] * len(machine.before)])
+    for step in steps(own.pull, start, FIRST_RAD / even_rad_s, _most_s(machine, target_rad), allowed):
+        if step is not None:
+            now, time_s = step.end, time_s + step.width
+            found.append(step)
+        if not goes_on(time_s, now.place):
+            break
+    return joined(start, found)
 
 
-def _joined(machine: ToothedMachine, steps: list[_Step]) -> Course:
-    """A course of steps; the first step is its start."""
-    time_s, states = np.array([step.time_s for step in steps]), np.stack([step.state for step in steps], axis=1)
-    inner = np.stack([step.inner for step in steps[1:]], axis=1)
-    return Course(machine, time_s, states, PiecewiseChebyshev(time_s, series(inner)))
+def _most_s(machine: ToothedMachine, target_rad: float) -> Callable[[Pulled], float]:
+    """How long a step may be: up to a driving angle, or to the next stop of the load."""
+    even_rad_s, stop_rad, way_rad = machine.drive.speed_rad_s, -inf, inf
+    # Teeth that come and go within a step would not be seen
+    place_rad = float(np.diff(machine.meshing.gaps.table.breaks).max())
+
+    def most_s(now: Pulled) -> float:
+        nonlocal stop_rad, way_rad
+        if now.place.imag > stop_rad - CLEAR_RAD:
+            stop_rad, way_rad = machine.load.next_stop_rad(now.place.imag)
+        most = way_rad / max(abs(now.speed.imag), even_rad_s)
+        if now.speed.imag > 0.0:
+            most = min(most, max(NEARLY * (stop_rad - now.place.imag), CLEAR_RAD) / now.speed.imag)
+        if now.speed.real > 0.0:
+            most = min(most, min(place_rad, target_rad - now.place.real) / now.speed.real)
+        return most
+
+    return most_s
+
+
+RATES = 5
+"""Degree of the polynomials of the powers of the drive and of the teeth within a step."""
+
+
+def _with_work(machine: ToothedMachine, state: Array, time_s: Array, shafts: Array, moved: Array) -> Course:
+    """The course of shafts from a state, with the work of the drive and the losses of the teeth."""
+    states, between = np.empty((state.size, time_s.size)), np.zeros((*moved.shape[:2], state.size))
+    states[machine.rows], between[..., machine.rows] = shafts, moved
+    powers = _powers(machine, PiecewiseChebyshev(time_s, between), nodes(time_s[:-1], time_s[1:], RATES))
+    for row, power in enumerate(powers, 4):
+        work = PiecewiseChebyshev(time_s, series(power)).integrated().coefficients
+        between[: len(work), :, row] = work
+        between[0, :, row] += state[row]
+        states[row] = np.append(state[row], between[..., row].sum(axis=0))
+    return Course(machine, time_s, states, PiecewiseChebyshev(time_s, between))
+
+
+def _powers(machine: ToothedMachine, moving: PiecewiseChebyshev, time_s: Array) -> Array:
+    """Powers of the drive and of all teeth at times of shape (m, n), shape (2, m, n)."""
+    powers = np.empty((2, time_s.size))
+    for rows in row_blocks(time_s.size):
+        states = moving(time_s.ravel()[rows]).T
+        answer = machine.answer(states)
+        powers[0, rows] = answer.torque_n_mm * states[1]
+        powers[1, rows] = np.sum([one.loss_n_mm_s.sum(axis=-1) for one in answer.teeth], axis=0)
+    return powers.reshape(2, *time_s.shape)
 
 
 def _checked(found: Course) -> Course:
@@ -410,11 +418,12 @@ def _checked(found: Course) -> Course:
     return found
 
 
-def _stalled(machine: ToothedMachine, time_s: float, state: Array, after: str) -> NoSuchMechanism:
-    driving, crank = (in_words(float(state[row])) for row in (0, 2))
-    right = "more torque or a heavier flywheel is needed" if isinstance(machine.drive, Motor) else "softer teeth help"
+def _stalled(machine: ToothedMachine, time_s: float, place: complex, after: str) -> NoSuchMechanism:
+    driving, crank = in_words(place.real), in_words(place.imag)
+    moved = isinstance(machine.drive, Motor)
+    right = "more torque or a heavier flywheel is needed" if moved else "softer teeth or less damping help"
     return NoSuchMechanism(
         f"the drive does not get on: after {time_s:.4g} s, {after}, it is at phi1 = {driving}, crank at {crank}; "
         f"{right}",
-        key="simulation.motor" if isinstance(machine.drive, Motor) else "simulation",
+        key="simulation.motor" if moved else "simulation",
     )

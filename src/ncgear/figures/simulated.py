@@ -330,8 +330,8 @@ def _pair_in_time(
     }
 
 
-BAND_ACCURACY = 1e-5
-"""Accuracy of the motions of the band: half the time, and peaks to some thousandths."""
+BAND_ACCURACY = 4e-6
+"""Accuracy of the motions of the band: two thirds of the time, and peaks to some thousandths."""
 
 
 def _motion_with(drive: Drive, factor: float) -> dict[str, float]:

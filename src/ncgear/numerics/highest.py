@@ -96,11 +96,11 @@ class _Intervals(Columns):
 def largest_of_each(functions: Callable[[Array], Array], places: Array, missed: Array | float = 0.0) -> list[Extremum]:
     """The largest value of each of q functions between rising places, (n,), n > 1; one-sided limits at jumps count.
 
-    ``functions`` maps places (m,) to values (q, m).  Values are known to EVEN of themselves, or to ``missed``, (q,) or
-    one number.
+    ``functions`` maps places (m,) to values (q, m).  Values are known to EVEN of a function's largest size, or to
+    ``missed``, (q,) or one number.
     """
     values = _evaluated(functions, places)
-    return largest_from(functions, places, values, np.broadcast_to(missed, len(values)))
+    return largest_from(functions, places, values, np.maximum(missed, EVEN * np.abs(values).max(axis=1)))
 
 
 def range_of(function: Callable[[Array], Array], places: Array) -> tuple[Extremum, Extremum]:

@@ -66,23 +66,25 @@ class PeriodicTable:
 class PlaceByPlace:
     """A table at one place after the other, in plain numbers: a tenth of the time of arrays of one place.
 
-    ``rows`` are the coefficients, highest power first, of each function on the interval that was used last, nested as
-    the table's trailing axes are; ``index`` is the number of that interval.
+    ``rows`` are those of the interval that was used last, of one for each interval.
     """
 
-    def __init__(self, table: PeriodicTable) -> None:
-        self._rows, self._breaks = np.moveaxis(table.coefficients, 0, -1), table.breaks.tolist()
-        self._period = self._breaks[-1]
-        self._low = self._high = 0.0
-        self.index, self.rows = -1, list[Any]()
+    def __init__(self, breaks: Array, rows: Sequence[Any]) -> None:
+        self._breaks, self._rows, self.rows = breaks.tolist(), rows, rows[0]
+        self._period, self._low, self._high = self._breaks[-1], 0.0, 0.0
+
+    @classmethod
+    def of(cls, table: PeriodicTable) -> PlaceByPlace:
+        """Its rows are the coefficients of each function, highest power first, nested as the table's trailing axes."""
+        return cls(table.breaks, np.moveaxis(table.coefficients, 0, -1).tolist())
 
     def at(self, x: float) -> tuple[float, float]:
         """Whole periods before x, and the distance from the break below, to which ``rows`` belong."""
         turns, local = divmod(x, self._period)
         if not self._low <= local < self._high:
-            self.index = min(bisect_right(self._breaks, local), len(self._breaks) - 1) - 1
-            self._low, self._high = self._breaks[self.index : self.index + 2]
-            self.rows = self._rows[self.index].tolist()
+            index = min(bisect_right(self._breaks, local), len(self._breaks) - 1) - 1
+            self._low, self._high = self._breaks[index : index + 2]
+            self.rows = self._rows[index]
         return turns, local - self._low
 
 
