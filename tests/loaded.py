@@ -14,8 +14,9 @@ from ncgear.dynamics.crank_load import CrankLoad, crank_load
 from ncgear.dynamics.gaps import Gaps, gaps_of
 from ncgear.dynamics.law_table import law_table
 from ncgear.dynamics.meshing import Friction, Impact, Meshing
-from ncgear.dynamics.motion_in_time import DriveLine, EvenDrive, Start, ToothedMachine, started
+from ncgear.dynamics.motion_in_time import DriveLine, EvenDrive, ToothedMachine
 from ncgear.dynamics.pair_places import PairPlaces
+from ncgear.dynamics.start import Start, started
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.forces import RodMasses
 from ncgear.mechanisms.resistance import PolynomialResistance

@@ -15,17 +15,9 @@ from ncgear.dynamics.crank_load import crank_load
 from ncgear.dynamics.history import even_times_s, history, motion_peaks
 from ncgear.dynamics.loaded_machine import RigidMachine
 from ncgear.dynamics.mesh_force import MeshPlace
-from ncgear.dynamics.motion_in_time import (
-    Course,
-    EvenDrive,
-    Motor,
-    Start,
-    ToothedMachine,
-    course,
-    law_torque_n_mm,
-    started,
-)
+from ncgear.dynamics.motion_in_time import Course, EvenDrive, Motor, ToothedMachine, course
 from ncgear.dynamics.quasi_static import loaded_contact
+from ncgear.dynamics.start import Start, _pressing, law_torque_n_mm, started
 from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.forces import CrankPace
@@ -177,3 +169,16 @@ def test_a_solver_that_steps_over_a_narrow_peak_is_told_by_the_energy() -> None:
     found = mechanism(meshing("uniform", 24), replace(load, narrow_rad=np.empty((0, 3))))
     with pytest.raises(NoSuchMechanism, match="energy misses"):
         course(found, on_its_way(found, 1.5, SPEED), 0.05)
+
+
+def test_a_small_torque_at_a_dead_centre_leaves_the_flanks_that_were_pressed() -> None:
+    """The torques of the turn before a start; 0 stands for pushing flanks, a torque below 0 presses their backs."""
+    for torques, kept in (
+        ([5.0, 3.0, -0.04], 0.0),
+        ([5.0, 3.0, 0.04], 0.04),
+        ([5.0, 3.0, -0.06], -0.06),
+        ([5.0, -3.0, 0.04], -5e-4),
+        ([5.0, -3.0, -0.04], -0.04),
+        ([0.0, 0.0, 0.0], 0.0),
+    ):
+        assert _pressing(np.array(torques)).tolist() == pytest.approx([kept]), torques

@@ -2,19 +2,18 @@
 
 The driving gear turns at a constant speed, or a motor with a flywheel turns it.  The state is (phi1, phi1', phi2,
 phi2', work of the drive, losses of the teeth), then angle and speed of each shaft between pairs in series, from the
-driving shaft on; work and losses follow from the motion for the balance of energy.  The motion starts on the law under
-its load, or from rest.  A step ends at each dead centre, where the resistance starts or ends, and at each narrow peak
-of the resistance, which steps might pass over.  The spring of a single pair of straight teeth swings in closed form in
-a step; pairs in series, of which several swing at once, and helical teeth, of which another section begins or ends to
-touch every few steps, are followed by a solver for any stiff equations.
+driving shaft on; work and losses follow from the motion for the balance of energy.  A step ends at each dead centre,
+where the resistance starts or ends, and at each narrow peak of the resistance, which steps might pass over.  The spring
+of a single pair of straight teeth swings in closed form in a step; pairs in series, of which several swing at once, and
+helical teeth, of which another section begins or ends to touch every few steps, are followed by a solver for any stiff
+equations.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from enum import StrEnum
+from collections.abc import Callable
 from functools import cached_property
-from itertools import chain, pairwise
+from itertools import pairwise
 from math import inf, pi
 from typing import Protocol
 
@@ -23,7 +22,6 @@ import numpy as np
 from ncgear.dynamics.crank_load import CLEAR_RAD, CrankLoad
 from ncgear.dynamics.meshing import Meshing, ToothForces, TwoShafts
 from ncgear.dynamics.place_by_place import StateByState, TrainByState
-from ncgear.dynamics.quasi_static import loaded_contact
 from ncgear.dynamics.trains_in_time import TrainStep, train_steps
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
@@ -31,7 +29,6 @@ from ncgear.numerics.arrays import Array, Number, row_blocks
 from ncgear.numerics.chebyshev import PiecewiseChebyshev, nodes, series
 from ncgear.numerics.oscillator_steps import Pulled, Stepped, joined, steps
 from ncgear.numerics.units import in_words
-from ncgear.ratio.transmission import Transmission, turned_after
 
 
 class DriveLine(Protocol):
@@ -142,50 +139,6 @@ class ToothedMachine:
             teeth = meshing.forces(shafts)
             stored = stored + meshing.impact.energy_n_mm(teeth.depth_mm, teeth.near.stiffness).sum(axis=-1)
         return np.asarray(stored)
-
-
-class Start(StrEnum):
-    """How a motion starts: on the law, or at rest."""
-
-    ON_LAW = "on_law"
-    REST = "rest"
-
-
-def law_torque_n_mm(load: CrankLoad, transmission: Transmission, phi1_rad: Array, speed_rad_s: float) -> Array:
-    """Torque in N mm on the driven shaft when it keeps the law at a driving speed, shape (n,)."""
-    angle = transmission.driven_angle(phi1_rad, 2)
-    return load.torque_n_mm(angle.value, angle.derivative(1) * speed_rad_s, angle.derivative(2) * speed_rad_s**2)
-
-
-def started(
-    machine: ToothedMachine,
-    transmission: Transmission,
-    start: Start,
-    speed_rad_s: float,
-    laws_before: Sequence[Transmission] = (),
-) -> Array:
-    """The state at phi1 = 0, shape (6 + 2 between,); ``laws_before`` are those of the pairs before the last.
-
-    On the law all shafts have its speeds at the driving speed (not a motor's speed without load), and the load at that
-    speed presses the teeth.  At rest all gears stand, the driven ones on pushing flanks, until a motor starts them.
-    """
-    here, resting = np.zeros(1), start is Start.REST
-    turned = [*turned_after(laws_before, here, 2), transmission.driven_angle(here, 2)]
-    torques = [law_torque_n_mm(machine.load, transmission, here, speed_rad_s)]
-    for inertia, (one, two) in zip(machine.between_n_mm_s2[::-1], [*pairwise(turned)][::-1], strict=True):
-        power = torques[0] * two.derivative(1) / one.derivative(1)
-        torques.insert(0, power + inertia * one.derivative(2) * speed_rad_s**2)
-    shafts = [(0.0, 0.0 if resting else speed_rad_s)]
-    for meshing, torque in zip((*machine.before, machine.meshing), torques, strict=True):
-        here, turning = np.array([shafts[-1][0]]), shafts[-1][1]
-        angle, slope = meshing.law.at(here)
-        if resting:
-            ahead, slope = meshing.gaps.play_rad(here)[0], 0.0 * slope
-        else:
-            ahead = loaded_contact(meshing, here, torque, turning).error_rad
-        shafts.append((float((angle + ahead)[0]), float(slope[0]) * turning))
-    first, *between, last = shafts
-    return np.array([*first, *last, 0.0, 0.0, *chain(*between)])
 
 
 ACCURACY = 3e-7

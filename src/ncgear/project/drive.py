@@ -477,7 +477,8 @@ class Drive(Geared):
 
         Of pairs in series all are followed together.  A motor that stops during the turns is refused at once.
         """
-        from ncgear.dynamics.motion_in_time import Start, course, started
+        from ncgear.dynamics.motion_in_time import course
+        from ncgear.dynamics.start import Start, started
         from ncgear.project.forces import drive_line_of, toothed_machine
         from ncgear.project.motor import fitting_simulated, told_words
 
