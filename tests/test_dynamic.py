@@ -268,7 +268,8 @@ def test_an_undercut_pair_bears_load_on_its_shorter_contact() -> None:
     assert pair.driving.undercut
     out = run(mechanism(meshing("uniform", 12, **kinds), slider_load()), "uniform", 0.3)
     assert out.energy_error < 1e-5
-    assert partings_s(out)[0].size == 0
+    # The slider's mass has pressed the backs before the dead centre: the gear crosses its play once.
+    assert partings_s(out)[0][:, 0].tolist() == [0.0]
 
 
 # Drive and start

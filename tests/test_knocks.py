@@ -207,7 +207,7 @@ def test_a_force_beyond_the_rating_is_told_where_teeth_would_not_hold_it(
         Weakest(**life, damage=Damage.BENDING, safety=2.0, wanted=1.4),
         Weakest(**life, damage=Damage.CONTACT, safety=1.3, wanted=1.0),
     )
-    rating = Rating(Made(), Made(), weakest)
+    rating = Rating(Made(), Made(still=None), weakest)
     monkeypatch.setattr(strength_advice, "known_rating", lambda _: rating)
     vibrating = Made(peak_tooth_force_vibrating_n=16.0)
     monkeypatch.setattr(strength_advice, "vibration_of_rating", lambda _, rated: vibrating if rated is rating else None)
@@ -217,3 +217,13 @@ def test_a_force_beyond_the_rating_is_told_where_teeth_would_not_hold_it(
     if found is not None:
         assert f"{force_n / 20.0:.3g} times what is rated: safety {safety} against breakage, 1.4 wanted" in found.what
         assert found.meaning.endswith("as if the teeth bore it as often as the rated load")
+    # Far less than is rated is no motion that repeats, where knocks are rated.
+    assert strength_advice.pressed_in_time(drive, 13.2) is None
+    knocking = Rating(Made(), Made(still=Made()), weakest)
+    monkeypatch.setattr(strength_advice, "known_rating", lambda _: knocking)
+    monkeypatch.setattr(strength_advice, "vibration_of_rating", lambda *_: vibrating)
+    assert strength_advice.pressed_in_time(drive, 13.4) is None
+    few = strength_advice.pressed_in_time(drive, 13.2)
+    assert few is not None
+    assert "bears 13.2 N, and 20 N are rated with knocks: it may not repeat yet" in few.what
+    assert not few.matters
