@@ -50,7 +50,7 @@ def _shared_out(whole: Transmission, parts: Sequence[float]) -> PairsInSeries:
     return shared_out(whole, parts)
 
 
-AS_STEEP = 1e-8
+EVENLY_STEEP = 1e-8
 """Largest difference of the pairs' greatest tangents of pressure angles that counts as none, as a share of them: told
 are four digits of the angles."""
 
@@ -68,7 +68,7 @@ def _with_even_angles(whole: Transmission, parts: Sequence[float]) -> PairsInSer
     for _ in range(MOST_SHARINGS):
         train = _shared_out(whole, parts)
         steepest = [tan(largest_tangent_angle_rad(pair.transmission).value) for pair in train.pairs]
-        if max(steepest) - min(steepest) <= AS_STEEP * max(steepest):
+        if max(steepest) - min(steepest) <= EVENLY_STEEP * max(steepest):
             return train
         nearer = [part / slope for part, slope in zip(parts, steepest, strict=True)]
         parts = [part / sum(nearer) for part in nearer]
