@@ -266,7 +266,7 @@ def test_teeth_that_bear_next_to_nothing_are_not_rated(
 ) -> None:
     """20 mm of 3 mm teeth: sixty square millimetres."""
     monkeypatch.setattr(strengthening, "unknown", lambda _: None)
-    monkeypatch.setattr(strengthening, "weakest_teeth", lambda *_: ())
+    monkeypatch.setattr(strengthening, "weakest_under", lambda *_: ())
     strength = Made(peak_pair_n=peak_n * 60.0 * strengthening.NOTHING_MPA, of=lambda _: Made(material=None))
     usual = Made(wanted_bending_safety=lambda _: 1.4, wanted_contact_safety=lambda _: 1.0)
     drive: Any = Made(

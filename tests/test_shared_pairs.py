@@ -14,11 +14,13 @@ import numpy as np
 import pytest
 
 from drives import drive_of_text
-from ncgear.errors import WrongInput
+from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.summary.check_summary import stages_summary
 from ncgear.project.drive import Drive
-from ncgear.project.opened import drive_like
+from ncgear.project.even_safety import evenly_safe
+from ncgear.project.opened import _in_common, drive_like
 from ncgear.project.strengthening import rating_of
+from ncgear.strength.holding import worst
 
 MACHINE = """\
 name: shared
@@ -113,6 +115,51 @@ def test_pairs_share_a_law_at_equal_pressure_angles(count: int) -> None:
     assert max(told) < 0.9 * max(one.pitch.largest_pressure_angle_deg(0.0) for one in made(wild, count).by_stage)
 
 
+def test_even_safeties_of_pressures_in_closed_form() -> None:
+    """Safeties of flanks go as the root of a load over a curvature radius; here both change linearly with the part."""
+    asked = list[float]()
+
+    def shares(part: float) -> tuple[float, float]:
+        asked.append(part)
+        return 1.0 / (1.0 + 0.7 * part) ** 0.5, 1.0 / (1.9 - 0.5 * part) ** 0.5 if part > 0.1 else 0.0
+
+    assert evenly_safe(shares) == pytest.approx(0.75, abs=0.01)
+    assert len(asked) < 8
+    assert evenly_safe(lambda _part: (1.1, 1.1)) == 0.5
+    for told, said in (
+        (lambda part: (1.0 + 0.1 * part, 1.2), "pair 2 is the safer whatever part"),
+        (lambda part: (1.0, 0.9 if part < 0.6 else 1.1), "jump past each other where pair 1 takes 0.6 "),
+    ):
+        with pytest.raises(NoSuchMechanism, match=said) as wrong:
+            evenly_safe(told)
+        assert wrong.value.key == "gears.sharing"
+
+
+@pytest.mark.slow
+def test_two_pairs_share_a_law_at_equal_safety() -> None:
+    """Rated afterwards by `strength`, from the parts alone; even parts differ by 4 %."""
+    wild = '{law: ratio_expression, ratio: "1/(1 + 0.4*cos(phi))**2", scale_to_close: true}'
+
+    def rated(more: str) -> list[float]:
+        drive = made(wild, 2, "10*(1 - 0.4*cos(x))", more)
+        return [worst(rating_of(pair).weakest).share for pair in drive.by_stage]
+
+    first, second = rated(", sharing: safety")
+    assert first == pytest.approx(second, rel=0.01)
+    even = rated("")
+    assert max(even) > 1.03 * min(even)
+    assert min(first, second) > min(even)
+
+
+def test_even_safety_needs_two_pairs_and_a_load() -> None:
+    with pytest.raises(WrongInput, match=r"two pairs \(gears.pairs\) are right") as wrong:
+        made(EVEN, 3, "10", ", sharing: safety")
+    assert wrong.value.key == "gears.sharing"
+    text = MACHINE.format(law=EVEN, pairs=2, torque="10", more=", sharing: safety").rpartition("resistance")[0]
+    with pytest.raises(WrongInput, match="a load of the teeth"):
+        drive_of_text(text)
+
+
 def test_every_pair_passes_the_power_of_the_driven_shaft() -> None:
     drive = made(SQUARE, 3, "10 + 4*sin(x)")
     phi1 = np.linspace(0.0, 2.0 * np.pi, 60)
@@ -186,3 +233,5 @@ def test_a_drive_that_shares_its_law_otherwise_takes_no_law_over() -> None:
     assert len(drive_like(three, changed).law.train.pairs) == 2
     same = three.design.model_copy(update={"gears": three.gears.model_copy(update={"face_width_mm": 20.0})})
     assert drive_like(three, same).law is three.law
+    told = same.model_copy(update={"gears": same.gears.model_copy(update={"sharing": "safety"})})
+    assert _in_common(told, told) == ()

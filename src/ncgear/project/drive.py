@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from ncgear.project.tooth_load import ToothLoad
     from ncgear.project.tooth_strength import JudgedTeeth, Method, Rim
     from ncgear.project.workshop_measures import CutGear, GearMeasures
+    from ncgear.ratio.transmission import Law
     from ncgear.strength.answer import Strength
     from ncgear.strength.loading import Loading
     from ncgear.strength.material import Material
@@ -62,6 +63,34 @@ class Drive(Geared):
     curves, teeth, contact, solids and strength belong to one pair: only the drives in ``by_stage`` have them, and their
     ``stage`` is the number of the pair, from 1 on.
     """
+
+    @computed
+    def law(self) -> Law:
+        """Linkage and closed law, shared out by the strength of its pairs where the design asks for that."""
+        law, gears = super().law, self.design.gears
+        if self._whole is not None or gears is None or gears.sharing != "safety":
+            return law
+        from ncgear.project.even_safety import evenly_safe
+        from ncgear.strength.holding import weakest_under, worst
+
+        def shared_out(part: float) -> Drive:
+            changed = gears.model_copy(update={"sharing": "even", "parts": (part, 1.0 - part)})
+            return Drive(self.design.model_copy(update={"gears": changed}), loaded=self.loaded)
+
+        def shares(part: float) -> tuple[float, ...]:
+            found, refusals = list[float](), list[DesignError]()
+            for one in shared_out(part).by_stage:
+                try:
+                    found.append(worst(weakest_under(one.strength_by("estimate"), one.conditions)).share)
+                except DesignError as refusal:
+                    found.append(0.0)
+                    refusals.append(refusal)
+            if len(refusals) == len(found):
+                raise refusals[0]
+            return tuple(found)
+
+        with self.stopwatch("law"):
+            return shared_out(evenly_safe(shares)).law
 
     @computed
     def by_stage(self) -> tuple[Drive, ...]:

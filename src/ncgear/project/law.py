@@ -40,8 +40,10 @@ def law_of(design: Design) -> Law:
         return replace(law, train=row_train(laws))
     if gears is None or gears.pairs == 1:
         return law
-    share = _with_even_angles if gears.sharing == "pressure_angle" else _shared_out
-    return replace(law, train=share(law.transmission, gears.parts or (1.0,) * gears.pairs))
+    parts: Sequence[float] = gears.parts or (1.0,) * gears.pairs
+    if gears.sharing == "pressure_angle":
+        parts = evenly_steep(law.transmission, parts)
+    return replace(law, train=_shared_out(law.transmission, parts))
 
 
 def _shared_out(whole: Transmission, parts: Sequence[float]) -> PairsInSeries:
@@ -58,8 +60,8 @@ MOST_SHARINGS = 100
 """Steps in which the angles become even: 6 to 20 for laws of 3 to 60 degrees (tests/test_shared_pairs.py)."""
 
 
-def _with_even_angles(whole: Transmission, parts: Sequence[float]) -> PairsInSeries:
-    """A law shared out so that the curves of all pairs lean equally much at most, with ``parts`` to begin with.
+def evenly_steep(whole: Transmission, parts: Sequence[float]) -> Sequence[float]:
+    """Parts of a law with which the curves of all pairs lean equally much at most, with ``parts`` to begin with.
 
     A pair's tangent is its part times what changes little with the part, so parts over tangents come near step by step.
     """
@@ -69,7 +71,7 @@ def _with_even_angles(whole: Transmission, parts: Sequence[float]) -> PairsInSer
         train = _shared_out(whole, parts)
         steepest = [tan(largest_tangent_angle_rad(pair.transmission).value) for pair in train.pairs]
         if max(steepest) - min(steepest) <= EVENLY_STEEP * max(steepest):
-            return train
+            return parts
         nearer = [part / slope for part, slope in zip(parts, steepest, strict=True)]
         parts = [part / sum(nearer) for part in nearer]
     raise NoSuchMechanism(

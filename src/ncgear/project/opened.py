@@ -334,7 +334,7 @@ def _in_common(one: Design, other: Design) -> tuple[str, ...]:
     """The attributes that drives of two designs have in common."""
     same_linkage = one.linkage == other.linkage
     laws = [(design.motion, lobes_of(design), *_series(design)) for design in (one, other)]
-    if laws[0] != laws[1] or (not same_linkage and one.motion.gives_slider):
+    if laws[0] != laws[1] or (not same_linkage and one.motion.gives_slider) or "safety" in laws[0]:
         return ()
     law = ("law",) if same_linkage else ()
     before, after = one.gears, other.gears

@@ -22,12 +22,11 @@ from ncgear.strength.answer import Strength
 from ncgear.strength.holding import (
     NOTHING_MPA,
     Damage,
-    WantedSafety,
     Weakest,
     face_width_factor,
     lives_of,
     module_factor,
-    weakest_teeth,
+    weakest_under,
 )
 from ncgear.strength.materials import ASSUMED
 
@@ -87,10 +86,7 @@ def rating_of(drive: Drive, method: Literal["estimate", "elements"] | None = Non
     area_mm2 = drive.gears.face_width_mm * drive.pitch.size.module_mm
     if strength.peak_pair_n < NOTHING_MPA * area_mm2:
         raise WrongInput("the teeth carry no load at any angle, so their strength is unknown", key="resistance")
-    # The wanted safeties of the design or, where it gives none, the usual ones for each gear's material
-    usual = drive.conditions.wanted_bending_safety, drive.conditions.wanted_contact_safety
-    wanted = {gear: WantedSafety(*(of(strength.of(gear).material) for of in usual)) for gear in Gear}
-    return Rating(strength, loading, tuple(weakest_teeth(strength, wanted)))
+    return Rating(strength, loading, tuple(weakest_under(strength, drive.conditions)))
 
 
 def known_rating(drive: Drive) -> Rating | DesignError | None:

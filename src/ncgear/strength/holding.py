@@ -17,6 +17,7 @@ import numpy as np
 from ncgear.frozen import dataclass
 from ncgear.pitch.shape import Gear
 from ncgear.strength.answer import Strength, ToothLife
+from ncgear.strength.conditions import Conditions
 
 NOTHING_MPA = 1e-9
 """Force over face width and module that counts as rounding, and so as no load: every material endures a thousand
@@ -97,6 +98,14 @@ def weakest_teeth(strength: Strength, wanted: Mapping[Gear, WantedSafety]) -> li
         for gear in Gear
         for damage, life in lives_of(strength, gear).items()
     ]
+
+
+def weakest_under(strength: Strength, conditions: Conditions) -> list[Weakest]:
+    """The same under conditions: the wanted safeties that they give, or else the usual ones of each gear's material."""
+    usual = conditions.wanted_bending_safety, conditions.wanted_contact_safety
+    return weakest_teeth(
+        strength, {one: WantedSafety(*(of(strength.of(one).material) for of in usual)) for one in Gear}
+    )
 
 
 def _weakest(life: ToothLife, gear: Gear, damage: Damage, wanted: float) -> Weakest:

@@ -285,9 +285,10 @@ class Gears(Model):
         ge=1,
         le=MOST_PAIRS,
     )
-    sharing: Literal["even", "pressure_angle"] = optional(
+    sharing: Literal["even", "pressure_angle", "safety"] = optional(
         "how pairs in series share the logarithm of the ratio: even, in equal parts; pressure_angle, so that the "
-        "largest pressure angles of all pairs are equal",
+        "largest pressure angles of all pairs are equal; safety, so that the least safeties of two pairs are equal, "
+        "as shares of the wanted ones",
         "even",
     )
     parts: Parts | None = optional(
