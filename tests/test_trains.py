@@ -31,6 +31,7 @@ from ncgear.trains.loads import PutMass, body_of, joint_forces, loads_of
 from ncgear.trains.path_search import PathLimits, found_motion, pair_figures, segment_distances, tool_mount
 from ncgear.trains.tip_path import TipMotion, WishedPath, missed_mm, motion_from
 from ncgear.trains.train import Part, PinHole, Poses, Train
+from oracles import rigid_body
 from train_cases import GEARS, POINTS, UNEVEN, WISHED, NewtonAndEuler, planetary
 
 pytestmark = pytest.mark.judges("trains")
@@ -281,6 +282,52 @@ def test_a_wrong_phase_clashes(idler: str) -> None:
     for pitches in (0.5, 1.0):
         turned = with_turned(train, "planet", 2.0 * np.pi / 18 * pitches)
         assert contacts_of(turned, outlines(train))[1].penetration_max_mm > 0.1
+
+
+def seen_by_the_carrier(train: Train, body: str, fixed: tuple[str, ...] = ()) -> rigid_body.Wheel:
+    """A body of a train whose carrier stands at 0, in the frame of the carrier, in which all axes stand."""
+    poses = train.poses_at(np.array([0.0, 1e-4]))
+    turned = poses.angle_rad - poses.angle_rad[train.number("carrier")]
+    own, pieces = train.number(body), {}
+    for name in (body, *fixed):
+        number = train.number(name)
+        outline = train.parts[number].outline_mm @ [1.0, 1j] * np.exp(1j * (turned[number] - turned[own])[0])
+        layer = 2 if round(train.parts[number].low_mm) else 1
+        pieces[layer] = rigid_body.convex_pieces(np.stack([outline.real, outline.imag], axis=-1))
+    return rigid_body.Wheel(poses.places(own)[0][0], turned[own, 0], np.diff(turned[own])[0] / 1e-4, pieces)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("idler", "plays"), [("compound", 0), ("shared", 1)])
+def test_toothed_bodies_under_load_turn_as_the_train_says(idler: str, plays: int) -> None:
+    """By pymunk, which knows outlines and no law: the sun turns, idler and planet are pushed by teeth alone, and a drag
+    holds the planet back.  A planet half a pitch off jams.
+
+    Allowed is what chords, slop and steps explain in two meshes (see test_rigid_body.py), beside the play: a shared
+    idler pushes its planet with the flanks that have it.
+    """
+    train, steps, drag = planetary(idler=idler), 3000, 3.0
+    compound = ("second_idler",) if idler == "compound" else ()
+    wheels = [seen_by_the_carrier(train, *one) for one in (("sun",), ("idler", compound), ("planet",))]
+    planet = train.number("planet")
+
+    def behind(last: rigid_body.Wheel) -> Any:
+        angles = rigid_body.train_turned([*wheels[:2], last], drag, steps)
+        driving = wheels[0].angle - angles[:, 0]
+        return angles[:, 2] - (train.poses_at(driving).angle_rad[planet] - driving)
+
+    speeds = np.gradient(train.poses_at(np.linspace(0.0, 2.0 * np.pi, 721)).angle_rad, axis=1) * 720 / (2.0 * np.pi) - 1
+    ratio = np.abs(speeds[planet] / speeds[train.number("idler")])
+    apart_mm = abs(wheels[2].place - wheels[1].place)
+    lever_mm = apart_mm / (1.0 + ratio.max()) * np.cos(np.radians(35.0))
+    allowed = (
+        2.0 * (2.0 * train.tolerance_mm + rigid_body.SLOP) / lever_mm + 6.0 * (drag + 1.0) * (2.0 * np.pi / steps) ** 2
+    )
+    found = behind(wheels[2])
+    assert -allowed < found.min()
+    assert found.max() < allowed + plays * 0.05 / lever_mm
+    off = behind(replace(wheels[2], angle=wheels[2].angle + np.pi / 18))
+    assert np.abs(off).max() > 10.0 * allowed
 
 
 @pytest.mark.slow

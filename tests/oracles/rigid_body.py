@@ -1,14 +1,14 @@
-"""Two outlines as rigid bodies in a physics engine that knows nothing of gears: pymunk (Chipmunk).
+"""Outlines as rigid bodies in a physics engine that knows nothing of gears: pymunk (Chipmunk).
 
-The driving body turns at a constant speed, the driven one is free to turn about its axis and is held back by a viscous
-drag.  The engine takes convex shapes only and makes the hull of anything else without a word, so outlines are cut into
-convex pieces first: triangles (ear cutting), joined across every diagonal that leaves the union convex (S. Hertel and
-K. Mehlhorn, "Fast triangulation of simple polygons", 1983).
+The driving body turns at a constant speed, all others are free to turn about their axes, and the last one is held back
+by a viscous drag.  The engine takes convex shapes only and makes the hull of anything else without a word, so outlines
+are cut into convex pieces first: triangles (ear cutting), joined across every diagonal that leaves the union convex
+(S. Hertel and K. Mehlhorn, "Fast triangulation of simple polygons", 1983).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import pi
 
@@ -87,6 +87,19 @@ class Turning:
     driven: FloatArray
 
 
+@dataclass(frozen=True)
+class Wheel:
+    """A body with its axis at ``place`` in mm, its first angle and speed, and its pieces by their layer.
+
+    Shapes of one layer meet, others pass each other.
+    """
+
+    place: complex
+    angle: float
+    speed: float
+    pieces: dict[int, Pieces]
+
+
 def turned(
     pieces: tuple[Pieces, Pieces],
     distance: float,
@@ -102,35 +115,50 @@ def turned(
     moment of inertia.  Both bodies start in the pose of their outlines.  ``drag_share`` multiplies the drag, by the
     driving angle: where it is negative the driven body is driven on.
     """
+    wheels = Wheel(0j, 0.0, 1.0, {1: pieces[0]}), Wheel(complex(distance), 0.0, -speed, {1: pieces[1]})
+    angles = train_turned(wheels, drag, steps, rest, drag_share)
+    return Turning(angles[:, 0], -angles[:, 1])
+
+
+def train_turned(
+    wheels: Sequence[Wheel],
+    drag: float,
+    steps: int,
+    rest: float = 0.1,
+    drag_share: Callable[[float], float] = lambda angle: 1.0,
+) -> FloatArray:
+    """As ``turned``, with the first wheel driving at its own speed and the last one under drag: angles (steps, n)."""
     space = pymunk.Space()
     space.iterations, space.collision_slop, space.collision_bias = 20, SLOP, LEFT_PER_SECOND
-    driving, driven = pymunk.Body(body_type=pymunk.Body.KINEMATIC), pymunk.Body(HEAVY, 1.0)
-    driven.position = distance, 0.0
-    driving.angular_velocity, driven.angular_velocity = 1.0, -speed
-    space.add(driving, driven, *_shapes(driving, pieces[0]), *_shapes(driven, pieces[1]))
-    angles = np.array(
-        [
-            _stepped(space, driving, driven, drag * drag_share(driving.angle), 2.0 * pi / steps)
-            for _ in range(int(steps * (1 + rest)))
-        ]
-    )
-    return Turning(angles[-steps:, 0], -angles[-steps:, 1])
+    bodies = [pymunk.Body(body_type=pymunk.Body.KINEMATIC), *(pymunk.Body(HEAVY, 1.0) for _ in wheels[1:])]
+    for body, wheel in zip(bodies, wheels, strict=True):
+        body.position = wheel.place.real, wheel.place.imag
+        body.angle, body.angular_velocity = wheel.angle, wheel.speed
+        space.add(body, *(one for layer, pieces in wheel.pieces.items() for one in _shapes(body, pieces, layer)))
+    count = int(steps * (1 + rest))
+    angles = np.array([_stepped(space, bodies, drag, drag_share, 2.0 * pi / steps) for _ in range(count)])
+    return angles[-steps:]
 
 
-def _shapes(body: pymunk.Body, pieces: Pieces) -> list[pymunk.Shape]:
+def _shapes(body: pymunk.Body, pieces: Pieces, layer: int) -> list[pymunk.Shape]:
     """Smooth shapes that do not bounce."""
     shapes = [pymunk.Poly(body, piece.tolist()) for piece in pieces]
     for shape in shapes:
         shape.friction = shape.elasticity = 0.0
+        shape.filter = pymunk.ShapeFilter(categories=layer, mask=layer)
     return shapes
 
 
 def _stepped(
-    space: pymunk.Space, driving: pymunk.Body, driven: pymunk.Body, drag: float, seconds: float
-) -> tuple[float, float]:
-    driven.torque = -drag * driven.angular_velocity
+    space: pymunk.Space,
+    bodies: list[pymunk.Body],
+    drag: float,
+    drag_share: Callable[[float], float],
+    seconds: float,
+) -> list[float]:
+    bodies[-1].torque = -drag * drag_share(bodies[0].angle) * bodies[-1].angular_velocity
     space.step(seconds)
-    return driving.angle, driven.angle
+    return [body.angle for body in bodies]
 
 
 def lag(turning: Turning, law: Callable[[FloatArray], FloatArray]) -> FloatArray:
