@@ -190,6 +190,13 @@ def test_a_key_of_several_kinds_of_train_is_told_for_each() -> None:
     assert said.count("a list (4 to 720)") == 1
 
 
+def test_a_group_of_several_kinds_of_train_has_the_keys_of_each_kind_apart() -> None:
+    planetary, chain = told(told_keys("train"), "train.masses").split("\n\ntrain.masses\n")
+    assert "density_kg_m3, tool_kg and gravity_m_s2" in " ".join(planetary.split())
+    assert "tool_kg" not in chain
+    assert "driven_flywheel_kg_mm2" in chain
+
+
 DRAWN = """\
 name: drawn
 operation: {speed_rpm: 30}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
@@ -508,13 +509,20 @@ def test_a_check_says_what_the_train_is(run: Run) -> None:
     assert "teeth (undercut, tips and strength" in out
 
 
-@at_once("command", ["simulate", "strength", "balance", "tolerance", "size"])
-def test_other_commands_say_what_works(run: Run, command: str) -> None:
-    place = Path("mine.yaml")
-    place.write_text(TRAINS["lobed-motor"].read_text(encoding="utf-8"), encoding="utf-8")
-    status, _, err = run(command, str(place))
+RING = FILE.replace("ratio:", "idler: ring\n  planet_turns: 3\n  ratio:").replace("teeth:", "rim_mm: 6, teeth:")
+
+
+@at_once(
+    ("command", "text"),
+    [
+        *((one, TRAINS["lobed-motor"].read_text()) for one in ("simulate", "strength", "balance", "tolerance", "size")),
+        ("strength", RING),
+    ],
+)
+def test_other_commands_say_what_works(run: Run, command: str, text: str) -> None:
+    status, _, err = run(command, str(written(text)))
     assert status == 2
-    assert err.startswith("mine.yaml:4:1: train: ")
+    assert re.match(r"mine.yaml:\d+:1: train: ", err)
     assert "which `check`, `build`, `report`, `animate` and `studio` of ncgear take; this needs" in err
 
 

@@ -87,7 +87,7 @@ def _one(keys: Sequence[ToldKey], alike: Sequence[ToldKey]) -> str:
         "value": listed(dict.fromkeys(key.allowed for key in alike)),
         "default": "only one of them can be given" if _is_angle(alike) else first.default,
         "laws": listed(dict.fromkeys(key.law for key in alike if key.law), "and"),
-        "keys": listed(folded(key.name for key in keys if _above(key) == first.path), "and"),
+        "keys": listed(folded(key.name for key in keys if _is_in(key, first)), "and"),
         "example": alike[-1].example,
         "beside it": listed(folded(key.name for key in _beside(keys, alike)), "and"),
     }
@@ -111,6 +111,11 @@ def _is_angle(alike: Sequence[ToldKey]) -> bool:
 
 def _above(key: ToldKey) -> str:
     return key.path.rpartition(".")[0]
+
+
+def _is_in(key: ToldKey, group: ToldKey) -> bool:
+    """Whether a key is in a group; of trains, in the group of a kind that has both."""
+    return _above(key) == group.path and (not group.kinds or not set(group.kinds).isdisjoint(key.kinds))
 
 
 def _beside(keys: Sequence[ToldKey], alike: Sequence[ToldKey]) -> list[ToldKey]:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
+from functools import lru_cache
 from math import pi
 
 import numpy as np
@@ -159,10 +160,16 @@ def _driving(train: Train) -> Array:
     return np.linspace(0.0, train.cycle_rad, POSITIONS, endpoint=False)
 
 
+@lru_cache(maxsize=1)
+def _cycle(train: Train) -> Poses:
+    """The poses at POSITIONS even driving angles and at the end of the cycle, which several loads take."""
+    return train.poses_at(np.append(_driving(train), train.cycle_rad))
+
+
 def loads_of(train: Train, density_kg_m3: float, put: Sequence[PutMass], gravity_mm_s2: complex) -> TrainLoads:
     """Loads of the driving part and the frame; ``gravity_mm_s2`` is a complex number in the ground's frame."""
     speed, driving = train.speed_rpm * RAD_S_PER_RPM, _driving(train)
-    poses = train.poses_at(np.append(driving, train.cycle_rad))
+    poses = _cycle(train)
     axis = complex(*(float(values[train.number(train.driving), 0]) for values in (poses.x_mm, poses.y_mm)))
     torque, moment = np.zeros(POSITIONS), np.zeros(POSITIONS)
     force: ComplexArray = np.zeros(POSITIONS, dtype=complex)
@@ -206,7 +213,7 @@ def turning_load(
 ) -> TurningLoad:
     """The load of a part with all that is fixed to it about its axis, which may move (Newton and Euler)."""
     speed = train.speed_rpm * RAD_S_PER_RPM
-    poses = train.poses_at(np.append(_driving(train), train.cycle_rad))
+    poses = _cycle(train)
     own, driving = train.number(name), train.number(train.driving)
     axis = poses.places(own)[0][:-1]
     moment, about_axis = np.zeros(POSITIONS), 0.0
@@ -238,7 +245,7 @@ def joint_forces(
     flanks that the moment asks for.
     """
     speed = train.speed_rpm * RAD_S_PER_RPM
-    poses = train.poses_at(np.append(_driving(train), train.cycle_rad))
+    poses = _cycle(train)
     moving = [_moving(train, poses, number, density_kg_m3, put) for number in range(len(train.parts))]
     axes = [poses.places(number)[0][:-1] for number in range(len(train.parts))]
     force: dict[str, ComplexArray] = {}

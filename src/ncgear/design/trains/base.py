@@ -109,6 +109,11 @@ def with_sound_bodies(train: Train) -> Train:
 class RatedTrain(TrainKeys):
     """A train whose gears are a machine by themselves, with what rates their teeth."""
 
+    @classmethod
+    def is_machine(cls, given: Mapping[str, Any]) -> bool:
+        """Whether ``machine`` of such keys is one, whether they are right or not."""
+        return True
+
     resistance: ShaftTorque | None = optional(
         "the torque against the last gear over its angle, for strength, tolerances and reports; left out: none"
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from math import degrees, radians
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
@@ -133,7 +134,8 @@ class Planetary(RatedTrain):
                 ("gears.material", self.gears.material is not None),
             ):
                 if given:
-                    yield fault(key, "given, but the teeth of a ring and its planets are not rated; leave it out")
+                    why = "in a ring the planet drives, at an uneven speed, so its teeth are not rated"
+                    yield fault(key, f"given, but {why}; leave it out")
 
     def _masses_come_back(self) -> Faults:
         if self.masses is not None and self.sun_turns != 0.0:
@@ -170,10 +172,15 @@ class Planetary(RatedTrain):
             return always if self.masses is not None else (*always, "gears.face_width_mm.")
         return super().alone if self.masses is None else (*always, "gears.rack.")
 
+    @classmethod
+    def is_machine(cls, given: Mapping[str, Any]) -> bool:
+        """Whether there is no ring, in which it is the planet that drives."""
+        return given.get("idler") != "ring"
+
     def machine(self) -> dict[str, Any] | None:
         """The gears of one arm on fixed axes, as the carrier sees them: two pairs in series, or a row of three gears.
 
-        None for a ring, in which it is the planet that drives.
+        None for a ring (``is_machine``).
 
         Where masses are given, they and the weight of all that the planet carries turn about its axis as Newton and
         Euler say; what is no moment of inertia there is a torque over the planet's angle.

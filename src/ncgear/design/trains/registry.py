@@ -90,7 +90,8 @@ def commands_of(train: object) -> list[str]:
     """The commands that take a file with such a value of ``train``, whether it is right or not."""
     kind = train.get("kind") if isinstance(train, Mapping) else None
     keys = KINDS.get(kind) if isinstance(kind, str) else None
-    more = ["strength", "tolerance", "simulate", "compare", "sweep"] if keys and RatedTrain in keys.__mro__ else []
+    rated = keys and issubclass(keys, RatedTrain) and isinstance(train, Mapping) and keys.is_machine(train)
+    more = ["strength", "tolerance", "simulate", "compare", "sweep"] if rated else []
     # Gears on a carrier have the loads of a machine, and not its power
     return ["check", "build", "report", "animate", "studio", *(more if keys and keys.TURNS_ALONE else more[:2])]
 
