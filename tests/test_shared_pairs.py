@@ -149,6 +149,10 @@ def test_two_pairs_share_a_law_at_equal_safety() -> None:
     even = rated("")
     assert max(even) > 1.03 * min(even)
     assert min(first, second) > min(even)
+    refused = made(wild, 2, "10", ", sharing: safety")
+    for _ in range(2):
+        with pytest.raises(NoSuchMechanism, match="pair 2 is the safer whatever part"):
+            _ = refused.law
 
 
 def test_even_safety_needs_two_pairs_and_a_load() -> None:

@@ -67,9 +67,9 @@ class Drive(Geared):
     @computed
     def law(self) -> Law:
         """Linkage and closed law, shared out by the strength of its pairs where the design asks for that."""
-        law, gears = super().law, self.design.gears
+        gears = self.design.gears
         if self._whole is not None or gears is None or gears.sharing != "safety":
-            return law
+            return super().law
         from ncgear.project.even_safety import evenly_safe
         from ncgear.strength.holding import weakest_under, worst
 
