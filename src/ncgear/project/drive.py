@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import partial
 from itertools import chain
 from time import perf_counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -70,6 +70,12 @@ class Drive(Geared):
         gears = self.design.gears
         if self._whole is not None or gears is None or gears.sharing != "safety":
             return super().law
+        return self._shared_by(gears.sharing)
+
+    @computed_by
+    def _shared_by(self, _sharing: Literal["safety"]) -> Law:
+        """The law shared out at equal safety; a refusal, which takes several ratings, is kept too."""
+        gears = self.gears
         from ncgear.project.even_safety import evenly_safe
         from ncgear.strength.holding import weakest_under, worst
 
