@@ -20,9 +20,10 @@ def finite(value: Any, name: str) -> Any:
 
     This is the check at the way out: everything that is told or written as text, table or JSON goes through it.
     """
-    if isinstance(value, float) and not isfinite(value):
-        raise Unanswered(f"{name} is {value}, which is no figure of a machine")
-    if isinstance(value, Mapping):
+    if isinstance(value, float):
+        if not isfinite(value):
+            raise Unanswered(f"{name} is {value}, which is no figure of a machine")
+    elif isinstance(value, Mapping):
         for key, part in value.items():
             finite(part, f"{name}.{key}" if name else str(key))
     elif isinstance(value, list | tuple):

@@ -110,9 +110,10 @@ def powers(base: NDArray[Kind], count: int) -> NDArray[Kind]:
     return found
 
 
-def row_blocks(count: int) -> Iterator[slice]:
-    """Blocks of at most ``AT_ONCE`` rows that together are ``count`` rows."""
-    return (slice(start, min(start + AT_ONCE, count)) for start in range(0, count, AT_ONCE))
+def row_blocks(count: int, each: int = 1) -> Iterator[slice]:
+    """Blocks of rows that together are ``count`` rows; a row counts as ``each`` of ``AT_ONCE``."""
+    size = max(AT_ONCE // each, 1)
+    return (slice(start, min(start + size, count)) for start in range(0, count, size))
 
 
 def largest_rows(values: Array, group: IndexArray, groups: int) -> IndexArray:

@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ncgear.contact.placement import URGE, Placement
+from ncgear.contact.placement import URGE, Meetings, Placement
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import across, along, angle_between, as_complex, square
@@ -246,10 +246,9 @@ def _corners(runs: _Runs, points: ComplexArray, slopes: ComplexArray) -> Complex
 
 @dataclass(frozen=True, eq=False)
 class SeenGear:
-    """One gear's sides and the flank of each meeting; ``moving`` is true of the driving gear."""
+    """One gear's sides in positions; ``moving`` is true of the driving gear."""
 
     paths: SidePaths
-    flank: IndexArray
     placement: Placement
     moving: bool
 
@@ -262,20 +261,24 @@ class SeenGear:
         """Points of the gear's own frame as seen at positions; shapes broadcast."""
         return self.placement.driving_points(points, position) if self.moving else points
 
-    def squares(self, points: ComplexArray, position: IndexArray) -> Array:
-        """Squared distances from the driven axis of points of each meeting's flank, at the meetings' positions.
+    def flank(self, meetings: Meetings) -> IndexArray:
+        """The gear's flank of each meeting, shape (m,)."""
+        return meetings.driving if self.moving else meetings.driven
 
-        ``points`` has a row of c points for each flank, ``position`` the shape (m, k); the result has the shape
-        (m, k, c), and k = 1 where nothing moves.
+    def squares(self, meetings: Meetings) -> Array:
+        """Squared distances from the driven axis of the c places of each meeting's flank, at the meetings' positions.
+
+        The shape is (m, k, c) for m meetings in k positions; k = 1 where nothing moves.
         """
+        points, position = self.paths.places, meetings.position
         if not self.moving:
-            return square(points)[self.flank][:, None]
+            return square(points)[self.flank(meetings)][:, None]
         # |z turn + axis|^2 = |z|^2 + 2 Re(z turn conj(axis)) + |axis|^2
         axis = self.placement.driving_points(np.zeros(1, dtype=complex), position)
         swing = 2.0 * self.placement.driving_directions(np.ones(1, dtype=complex), position) * np.conj(axis)
         columns = np.stack([swing.real, -swing.imag, np.ones(swing.shape)], axis=-1)
         rows = np.stack([points.real, points.imag, square(points) + self.placement.center_distance_mm**2], axis=1)
-        return np.asarray(columns @ rows[self.flank])
+        return np.asarray(columns @ rows[self.flank(meetings)])
 
     def directions(self, vectors: ComplexArray, position: IndexArray) -> ComplexArray:
         """Directions of the gear's own frame as seen at positions; shapes broadcast."""

@@ -16,7 +16,7 @@ from ncgear.contact.designed.curves import TINY, Contacts, SeenGear, SidePaths
 from ncgear.contact.placement import BACK, PUSHING, URGE, Meetings, Placement
 from ncgear.errors import Unanswered, searched_for
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask, largest_rows
+from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask, largest_rows, row_blocks
 from ncgear.numerics.crossing import circle_crossings
 from ncgear.numerics.plane import along, angle_between, square
 from ncgear.numerics.units import in_words
@@ -104,8 +104,7 @@ def edge_hits(
     the teeth at each position, -inf where no flanks touch.
     """
     driving, driven = paths
-    moving = SeenGear(driving, meetings.driving, placement, moving=True)
-    resting = SeenGear(driven, meetings.driven, placement, moving=False)
+    moving, resting = SeenGear(driving, placement, moving=True), SeenGear(driven, placement, moving=False)
     first = first_rad.ravel()
     return [_hits(moving, resting, meetings, first, within_mm), _hits(resting, moving, meetings, first, within_mm)]
 
@@ -113,21 +112,26 @@ def edge_hits(
 def _hits(corners: SeenGear, curves: SeenGear, meetings: Meetings, first_rad: Array, within_mm: float) -> EdgeHits:
     """Crossings of the corners' circles with the chords of the flanks they meet."""
     paths, ends = curves.paths, curves.paths.places.shape[1]
-    corner = corners.points(corners.paths.corner[corners.flank][:, None], meetings.position[..., None])
-    # Whether the ends of chords are inside the circles, shape (m, positions, corners, ends).
-    inside = curves.squares(paths.places, meetings.position)[:, :, None] <= square(corner)[..., None]
-    # From here on each crossing is one row; ``number`` counts the corners in all meetings and positions.
-    number, chord = np.divmod(np.flatnonzero(inside[..., 1:] != inside[..., :-1]), ends - 1)
+    corner = corners.points(corners.paths.corner[corners.flank(meetings)][:, None], meetings.position[..., None])
+    circles, every = square(corner)[..., None], (*meetings.position.shape, corner.shape[2])
+    # Each crossing is one row; ``number`` counts the corners in all meetings and positions.
+    found = [(np.empty(0, dtype=int), np.empty(0, dtype=int), np.empty(0, dtype=bool))]
+    for rows in row_blocks(*meetings.position.shape):
+        # Whether the ends of chords are inside the circles, shape (m, positions, corners, ends).
+        inside = curves.squares(meetings.kept(rows))[:, :, None] <= circles[rows]
+        number, chord = np.divmod(np.flatnonzero(inside[..., 1:] != inside[..., :-1]), ends - 1)
+        starts_inside = inside.reshape(-1, ends)[number, chord]
+        found.append((number + rows.start * every[1] * every[2], chord, starts_inside))
+    number, chord, starts_inside = (np.concatenate(of) for of in zip(*found, strict=True))
     looked_at = number // corner.shape[2]
     row, position = looked_at // meetings.position.shape[1], meetings.position.ravel()[looked_at]
-    at, flank = np.broadcast_to(corner, inside.shape[:3]).ravel()[number], curves.flank[row]
+    at, flank = np.broadcast_to(corner, every).ravel()[number], curves.flank(meetings)[row]
     begin = flank * ends + chord
     start, end = paths.places.ravel()[begin], paths.places.ravel()[begin + 1]
     start, step = curves.points(start, position), curves.directions(end - start, position)
     share, lever = circle_crossings(start, step, square(at))
     turn = angle_between(at, start + share * step)
-    facing = inside.ravel()[number * ends + chord] == curves.rootwards_out
-    side = np.where(facing, meetings.side[row], PUSHING + BACK - meetings.side[row])
+    side = np.where(starts_inside == curves.rootwards_out, meetings.side[row], PUSHING + BACK - meetings.side[row])
     lead = URGE[side] * _ahead(curves, turn)
     near = np.abs(turn) * np.abs(at) <= REACH_IN_PITCHES * paths.flanks.rack.pitch_mm
     near &= meetings.there.ravel()[looked_at]

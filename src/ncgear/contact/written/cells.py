@@ -41,18 +41,24 @@ def chords_of(outline: ComplexArray, longest_mm: float) -> Chords:
     return Chords(start, direction[chord], (length / pieces)[chord])
 
 
+TILE = 16
+"""Cells along each side of a tile.  Only tiles with named cells take memory: a gear's teeth cover few of them."""
+
+
 @dataclass(frozen=True, eq=False)
 class ChordGrid:
     """A square grid; each cell names a range of chords, which includes all chords near any place in the cell.
 
-    The grid has ``side`` cells of ``cell_mm`` along each axis from its lower left ``corner``.  ``first`` numbers the
-    first chord of each range and ``beyond`` the chord after its last, shape (side * side,) each; both are 0 where no
-    chord is near.  Counting continues where the outline begins again.
+    The grid has ``side`` cells of ``cell_mm`` along each axis from its lower left ``corner``.  ``tile`` holds the
+    number of the first cell of each tile, shape (tiles, tiles), 0 for all tiles without near chords.  ``first`` numbers
+    the first chord of each cell's range and ``beyond`` the chord after its last, shape (cells,) each; both are 0 where
+    no chord is near.  Counting continues where the outline begins again.
     """
 
     corner: complex
     cell_mm: float
     side: int
+    tile: IndexArray
     first: IndexArray
     beyond: IndexArray
 
@@ -60,7 +66,7 @@ class ChordGrid:
         """Numbers of the cells that places lie in, shape (n,); no chord is near cells at the grid's edge."""
         steps = (places - self.corner).view(float) * (1.0 / self.cell_mm)
         number = np.clip(steps, 0.0, self.side - 1.0).astype(int)
-        return number[0::2] * self.side + number[1::2]
+        return _numbered(self.tile, number[0::2], number[1::2])
 
 
 def cells_near(chords: Chords, near_mm: float, cell_mm: float) -> ChordGrid:
@@ -76,9 +82,12 @@ def cells_near(chords: Chords, near_mm: float, cell_mm: float) -> ChordGrid:
     extent = max(places.real.max() - corner.real, places.imag.max() - corner.imag)
     side = int((extent + around) / cell_mm) + 3
     low = ((places - corner - around * (1.0 + 1.0j)).view(float) / cell_mm).astype(int)
-    offset = np.add.outer(np.arange(span) * side, np.arange(span)).ravel()
-    cell = (low[0::2] * side + low[1::2])[:, None] + offset
-    cells = ChordGrid(corner, cell_mm, side, np.zeros(side * side, dtype=int), np.zeros(side * side, dtype=int))
+    across, along = (low[at::2, None] + offset.ravel() for at, offset in enumerate(np.indices((span, span))))
+    named = np.zeros((side // TILE + 1,) * 2, dtype=int)
+    named[across // TILE, along // TILE] = TILE**2
+    tile = np.cumsum(named).reshape(named.shape) * (named > 0)
+    cell = _numbered(tile, across, along)
+    cells = ChordGrid(corner, cell_mm, side, tile, *np.zeros((2, TILE**2 + int(named.sum())), dtype=int))
     _name(cells, cell.ravel(), np.repeat(chord, span * span))
     # Counting continues over the seam where the outline begins again.
     half = chords.length_mm.size // 2
@@ -87,6 +96,11 @@ def cells_near(chords: Chords, near_mm: float, cell_mm: float) -> ChordGrid:
     order = np.argsort(counted_on, kind="stable")
     _name(cells, cell[row, column][order], counted_on[order])
     return cells
+
+
+def _numbered(tile: IndexArray, across: IndexArray, along: IndexArray) -> IndexArray:
+    """Numbers of cells from their places along both axes."""
+    return tile[across // TILE, along // TILE] + across % TILE * TILE + along % TILE
 
 
 def _name(cells: ChordGrid, cell: IndexArray, chord: IndexArray) -> None:
