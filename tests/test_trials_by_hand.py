@@ -16,7 +16,14 @@ from ncgear.errors import NoSuchMechanism, Unanswered, WrongInput
 from ncgear.numerics.chebyshev import Rising
 from ncgear.numerics.extrema import Extremum
 from ncgear.pitch.shape import Gear, Mesh
-from ncgear.project import alternatives, forces, gear_solids, motor, outline_trial, workshop_measures
+from ncgear.project import (
+    alternatives,
+    forces,
+    gear_solids,
+    motor,
+    outline_trial,
+    workshop_measures,
+)
 from ncgear.project.geared import Geared
 from ncgear.solids.helical import sections as helical
 from ncgear.strength import sections as faces
