@@ -635,8 +635,8 @@ def test_every_meeting_near_any_place_is_found(name: str) -> None:
             ahead = crossing - at
             ahead = ahead if covered else (ahead + even.cycle_mm / 2.0) % even.cycle_mm - even.cycle_mm / 2.0
             if abs(ahead) <= REACH_IN_PITCHES * even.pitch_mm:
-                expected.append((side, own, other, place, round(ahead, 9)))
-    got = zip(
-        met.side, met.driving, met.driven, met.position[:, 0], np.round(met.driving_ahead_mm[:, 0], 9), strict=True
-    )
+                other_ahead = ahead + whole.driven_ahead_mm[number, 0] - whole.driving_ahead_mm[number, 0]
+                expected.append((side, own, other, place, round(ahead, 9), round(other_ahead, 9)))
+    both_ahead = (np.round(one[:, 0], 9) for one in (met.driving_ahead_mm, met.driven_ahead_mm))
+    got = zip(met.side, met.driving, met.driven, met.position[:, 0], *both_ahead, strict=True)
     assert sorted(got) == sorted(expected)

@@ -67,10 +67,17 @@ def held(monkeypatch: pytest.MonkeyPatch, **changed: float) -> Any:
     for name in ("least", "pits", "breaks"):
         monkeypatch.setattr(Plain, name, changed.get(name, getattr(Plain, name)))
     monkeypatch.setattr(holding_law, "CappedLaw", Plain)
-    monkeypatch.setattr(holding_law, "_shares", shares)
     of_least = Plain(None, {Damage.CONTACT: max(Plain.least, 1e-3)})
     monkeypatch.setattr(Plain, "wishes", Wishes(Limits(0.2, 5.0), Goal.FLANK_LOAD), raising=False)
-    monkeypatch.setattr(holding_law, "_of_least_load", lambda asked, damage: of_least)
+
+    def least_load(asked: Plain, damage: Damage) -> Plain:
+        # Asked for the load of the damage from which the law that was rated last is farthest.
+        assert damage is min(rated[-1], key=rated[-1].__getitem__)
+        return of_least
+
+    rated: list[dict[Damage, float]] = []
+    monkeypatch.setattr(holding_law, "_shares", lambda law: rated.append(shares(law)) or rated[-1])
+    monkeypatch.setattr(holding_law, "_of_least_load", least_load)
     monkeypatch.setattr(holding_law, "_loads", lambda law: {Damage.CONTACT: law.flank, Damage.BENDING: law.force})
     monkeypatch.setattr(Plain, "figures", property(lambda self: self), raising=False)
     told: list[int] = []

@@ -37,7 +37,7 @@ from ncgear.project.strengthening import rating_of
 from ncgear.project.tolerance import _mesh_and_limits, lot_of
 from ncgear.project.tolerance_limits import left_of_backlash, tolerances_of
 from ncgear.screening.deeper import OF_WANTED, ROOM, deepened, deeper_names
-from ncgear.screening.designs import Screening, as_in_file, screened_part
+from ncgear.screening.designs import Designs, Screening, as_in_file, screened_part
 from ncgear.screening.overview import no_overview
 from ncgear.screening.wanted import Objective, Wanted
 from ncgear.strength.holding import Damage
@@ -242,25 +242,36 @@ def test_a_chain_is_varied_and_written_as_its_own_file(tmp_path: Path) -> None:
     assert again.motion == given.design.motion
 
 
-def test_a_sweep_of_rows_tells_what_their_check_and_their_strength_tell(tmp_path: Path) -> None:
-    """Negative control: the straighter row of the same width passes and holds."""
-    keys, values = (
-        ["train.bends_deg.0", "train.bends_deg.1", "train.gears.face_width_mm"],
-        [
-            [110.0, 110.0, 12.0],
-            [90.0, 90.0, 1.0],
-            [40.0, -70.0, 12.0],
-        ],
-    )
-    data = loaded("idler-chain").data
-    space = space_of(loaded("idler-chain"), [varied_of(f"{key}=1,2") for key in keys])
-    screened = screened_part(Screening(data, space, (), 3), 0, np.array(values))
+BENT = {
+    "train.bends_deg.0": [110.0, 90.0, 40.0],
+    "train.bends_deg.1": [110.0, 90.0, -70.0],
+    "train.gears.face_width_mm": [12.0, 1.0, 12.0],
+}
+"""A row whose gears overlap, one that is weak and whose gears meet, and a straighter one."""
+
+
+@cache
+def bent_rows() -> tuple[Space, Designs]:
+    """The rows, screened."""
+    given = loaded("idler-chain")
+    space = space_of(given, [varied_of(f"{key}=1,2") for key in BENT])
+    return space, screened_part(Screening(given.data, space, (), 3), 0, np.array(list(BENT.values())).T)
+
+
+def test_a_sweep_of_rows_makes_what_their_check_makes() -> None:
+    _, screened = bent_rows()
     assert "overlap at every angle" in screened.verdicts[0]
     assert screened.made.tolist() == [False, True, True]
+
+
+@pytest.mark.slow
+def test_a_sweep_of_rows_tells_what_their_check_and_their_strength_tell(tmp_path: Path) -> None:
+    """Negative control: the straighter row of the same width passes and holds."""
+    data, (space, screened) = loaded("idler-chain").data, bent_rows()
     names = deeper_names(loaded("idler-chain").design, "strength")
     found = deepened(data, names, "strength", screened.at(screened.made))
     assert found.figures[ROOM].tolist() == [pytest.approx(-5.22, abs=0.01), np.inf]
-    bent = dict(zip(keys, values[1], strict=True))
+    bent = {key: values[1] for key, values in BENT.items()}
     file = tmp_path / "bent.yaml"
     file.write_text(design_copy(loaded("idler-chain"), bent), encoding="utf-8")
     train = load_train(file).file.train.train()
