@@ -1,6 +1,7 @@
 """Sweeps on one and two processes, what moves, and a plan for a thousand workers.  Writes benchmarks/sweeping.md.
 
-Run as ``make bench`` or ``python benchmarks/sweeping.py``.  Times on one and on two processes are of one run, one after
+Run as ``make bench`` or ``python benchmarks/sweeping.py``; with ``sleeping`` it only prints how many sleeping processes
+one client feeds.  Times on one and on two processes are of one run, one after
 the other, so that their ratio is that of one state of the computer.  A million designs are swept once, by the command.
 """
 
@@ -49,7 +50,7 @@ RANGES = Ranged("motion.v1_mm_s", 1500.0, 1700.0), Ranged("motion.theta1_pi", 0.
 LEAST = Objective("check.peak_acceleration_cycle_mm_s2"), Objective("check.peak_power_w")
 DESIGNS, FOLLOWED = 2 * ROWS, 16
 MANY = 1_000_000
-SLEEPING = (100, 0.3, 2000), (100, 0.05, 6000), (400, 0.3, 8000)
+SLEEPING = (100, 0.05, 6000), (400, 0.3, 8000), (1000, 5.0, 4000)
 """Runs of sleeping parts: processes, seconds of a part, parts."""
 
 NETWORK_MB_S = 100.0
@@ -309,6 +310,23 @@ def plan(cost: dict[str, float], fed: Fed) -> Iterator[str]:
             )
 
 
+def fed_lines(sleeping: Sequence[Fed]) -> list[str]:
+    """How many sleeping processes one client feeds."""
+    return [
+        "A cluster gets parts in bundles: 10 ms of work for each of its processes, at most 5 s, and no more than a",
+        "share of what is left. Sleeping parts, on a scheduler and a worker of so many threads on this computer:",
+        "",
+        "| processes | parts | each sleeps, s | bundles | took, s | if nothing waited, s | at work in the mean "
+        "| this process, ms a bundle | scheduler, ms |",
+        "|---|---|---|---|---|---|---|---|---|",
+        *(
+            f"| {processes} | {count} | {task_s:g} | {one.bundles} | {one.seconds:.1f} | {one.least_s:.1f} "
+            f"| {processes * one.least_s / one.seconds:.0f} | {one.here_ms:.1f} | {one.scheduler_ms:.1f} |"
+            for (processes, task_s, count), one in zip(SLEEPING, sleeping, strict=True)
+        ),
+    ]
+
+
 def report() -> str:
     """The whole page."""
     rows, same = zip(*(scaling(stage, count) for stage, count in (("pitch", DESIGNS), ("teeth", 64))), strict=True)
@@ -361,17 +379,7 @@ def report() -> str:
         "",
         "## A plan for a thousand workers",
         "",
-        "A cluster gets parts in bundles: 10 ms of work for each of its processes, at most 5 s, and no more than a",
-        "share of what is left. Sleeping parts, on a scheduler and a worker of so many threads on this computer:",
-        "",
-        "| processes | parts | each sleeps, s | bundles | took, s | if nothing waited, s | this process, ms a bundle "
-        "| scheduler, ms |",
-        "|---|---|---|---|---|---|---|---|",
-        *(
-            f"| {processes} | {count} | {task_s:g} | {one.bundles} | {one.seconds:.1f} | {one.least_s:.1f} "
-            f"| {one.here_ms:.1f} | {one.scheduler_ms:.1f} |"
-            for (processes, task_s, count), one in zip(SLEEPING, sleeping, strict=True)
-        ),
+        *fed_lines(sleeping),
         "",
         f"Computed from these and the figures above: workers as fast as this core, {NETWORK_MB_S:.0f} MB/s of network",
         "into this process. What is gathered at the end comes after all else.",
@@ -398,6 +406,9 @@ def report() -> str:
 
 
 if __name__ == "__main__":
+    if sys.argv[1:] == ["sleeping"]:
+        print("\n".join(fed_lines([fed(*run) for run in SLEEPING])))
+        sys.exit()
     page = report()
     (ROOT / "benchmarks" / "sweeping.md").write_text(page, encoding="utf-8")
     print(page)

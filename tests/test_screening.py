@@ -378,6 +378,19 @@ def test_no_design_is_made_whose_flanks_push_beyond_a_right_angle(alone: list[De
     assert found.made.reshape(-1, 2)[:, 0].sum() > found.made.reshape(-1, 2)[:, 1].sum()
 
 
+@pytest.mark.slow
+def test_a_stroke_too_steep_at_its_start_is_refused_there_only_where_nothing_is_steeper(alone: list[Design]) -> None:
+    """Coarse samples are enough for the first design; the return of the second is steeper by a thirtieth."""
+    keys = [f"motion.{name}" for name in ("v1_mm_s", "theta1_pi", "theta2_pi", "theta4_pi", "return.e")]
+    steeper = [1851.5004217624664, 0.36491423230618236, 0.6372020528651774, 1.113950853794813, 4.737706796033308]
+    values = np.array([[1600.0, 0.41, 0.676, 1.3, 0.0], steeper])
+    found = screened_block(data_of("baler"), keys, values)
+    assert not alone
+    assert "deg at phi1 = 0 rad" in found.verdicts[0]
+    assert "93.13 deg at phi1 = 3.49958 rad" in found.verdicts[1]
+    assert disagreement(found, data_of("baler"), keys, values) == 0.0
+
+
 HARMONIES = {
     "motion.cosine.0": (-0.9, 0.9),
     "motion.cosine.1": (-0.5, 0.5),

@@ -38,6 +38,14 @@ the largest where the ratio varies by 1:100, still has ten digits (tests/test_sc
 SEEN = 2
 """Fewest samples of a law on a panel of the force; peaks between two samples make even narrower panels."""
 
+ERRS = 20.0
+"""Largest error of a polynomial between its samples over its last coefficient.  It is under 2 / (r - 1) where
+coefficients fall by a factor r (L. N. Trefethen, "Approximation Theory and Approximation Practice", SIAM 2013, theorem
+8.2), and a last one of at most a twentieth of the first of 29 has r over 1.1."""
+
+FAR_OFF = 100.0
+"""Times a ratio at which the driven gear stands still that an unresolved law surely does not reach."""
+
 ROUNDED_RAD = 1e-9
 """Driving angle that messages round to zero."""
 
@@ -101,10 +109,34 @@ def _missed(quantities: Iterable[Functions], there: Mask) -> Array:
 
 def _closes(samples: Samples, ratio: Functions) -> Mask:
     """Which laws close, and do not nearly stand still."""
+    closed = np.abs(integrated(samples.turning) - 2.0 * np.pi) <= CLOSED
+    return closed & _turns(samples, ratio)
+
+
+def _turns(samples: Samples, ratio: Functions, times: float = 2.0) -> Mask:
+    """Which laws stay so many times over a ratio at which the driven gear counts as standing still."""
     lowest = np.where(samples.there, ratio.low, np.inf).min(axis=0)
     highest = np.where(samples.there, ratio.high, -np.inf).max(axis=0)
-    closed = np.abs(integrated(samples.turning) - 2.0 * np.pi) <= CLOSED
-    return closed & (lowest > 2.0 * STANDSTILL * highest)
+    return lowest > times * STANDSTILL * highest
+
+
+def _blocked_at_start(found: Sampled, curves: Curves, missed: Array, batch: Batch, steeper_deg: Array) -> Mask:
+    """Which strokes are steepest at the start of the cycle, so steep that teeth cannot push there.
+
+    The slope there is exact at any fineness: it follows from the approach, and no closing of the return changes it.  It
+    must exceed the slopes at all other samples by more than the polynomials, or a return that does not close exactly,
+    may err; a return that comes near standing still, which is refused before, must be far off.
+    """
+    slopes = curves.tangent.values
+    start = np.abs(slopes[0, 0])
+    blocked = ~_pushes(start, steeper_deg)
+    # With a given centre distance the length of the curves, which only resolved laws have, is judged before.
+    if not (blocked.any() and batch.kind.has_return) or batch.given("gears.center_distance_mm") is not None:
+        return np.zeros_like(blocked)
+    doubt = ERRS * np.maximum(missed, np.abs(found.closing_error_rad))
+    elsewhere = found.samples.there[:, None] & (np.abs(found.driven_rad - pi) < pi - ROUNDED_RAD)
+    above = ~(elsewhere & (np.abs(slopes) >= (1.0 - doubt) * start)).any(axis=(0, 1))
+    return blocked & above & _turns(found.samples, curves.ratio, FAR_OFF)
 
 
 def single_figures(design: Design) -> dict[str, float]:
@@ -222,13 +254,15 @@ def _pushes(tangent: Array, steeper_deg: Array) -> Mask:
 def _measured(found: Sampled, batch: Batch, steeper_deg: Array, speed_rad_s: Array) -> dict[str, Array]:
     """The extremes and integrals of laws, shape (n,) each, by names of this module; power with masses by its keys.
 
-    ``drawn`` is 1 where the figures of the pitch curves hold, ``resolved`` where all of them do.  ``steepest_rad`` is
-    the driving angle at which curves are steepest, where teeth with flanks of ``steeper_deg`` could not push there.
+    ``drawn`` is 1 where the figures of the pitch curves hold, or as much of them as refuses the law, ``resolved`` where
+    all of them do.  ``steepest_rad`` is the driving angle at which curves are steepest, where teeth with flanks of
+    ``steeper_deg`` could not push there.
     """
     samples, displacement, resistance = found.samples, found.displacement, batch.kind.resistance
     curves, there = curves_of(samples), samples.there
     missed = _missed((curves.ratio, curves.tangent, curves.rates, Functions(samples.turning)), there)
     drawn = _closes(samples, curves.ratio) & (missed <= RESOLVED)
+    blocked = _blocked_at_start(found, curves, missed, batch, steeper_deg)
     force_n = resistance.fitted_n(Jet(displacement.reshape(1, -1))).value.reshape(displacement.shape)
     power = Functions(force_n * found.velocity[: len(displacement)])
     velocity, acceleration = Functions(found.velocity), Functions(found.acceleration)
@@ -257,7 +291,9 @@ def _measured(found: Sampled, batch: Batch, steeper_deg: Array, speed_rad_s: Arr
         "hollow_driven": Sought(curves.driven, there, (-1.0,), limit=STRAIGHT),
     }
     most = dict(zip(sought, extremes([*sought.values()]), strict=True))
-    steepest_rad, steep = np.zeros(drawn.size), np.nonzero(drawn & ~_pushes(most["tangent"], steeper_deg))[0]
+    most["tangent"] = np.where(blocked, np.abs(curves.tangent.values[0, 0]), most["tangent"])
+    steep = np.nonzero(drawn & ~blocked & ~_pushes(most["tangent"], steeper_deg))[0]
+    steepest_rad = np.zeros(drawn.size)
     if steep.size:
         steepest_rad[steep] = _steepest(chosen(samples, steep), batch.kind.lobes)
     driven = {}
@@ -269,7 +305,7 @@ def _measured(found: Sampled, batch: Batch, steeper_deg: Array, speed_rad_s: Arr
         **driven,
         "steepest_rad": steepest_rad,
         "missed": missed,
-        "drawn": drawn.astype(float),
+        "drawn": (drawn | blocked).astype(float),
         "resolved": resolved.astype(float),
         "length": integrated(curves.rates.values),
         "stroke_mm": found.stroke_mm,
