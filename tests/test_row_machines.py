@@ -242,7 +242,7 @@ def test_a_chain_is_varied_and_written_as_its_own_file(tmp_path: Path) -> None:
     assert again.motion == given.design.motion
 
 
-BENT = {
+OVERLAPPING = {
     "train.bends_deg.0": [110.0, 90.0, 40.0],
     "train.bends_deg.1": [110.0, 90.0, -70.0],
     "train.gears.face_width_mm": [12.0, 1.0, 12.0],
@@ -254,8 +254,8 @@ BENT = {
 def bent_rows() -> tuple[Space, Designs]:
     """The rows, screened."""
     given = loaded("idler-chain")
-    space = space_of(given, [varied_of(f"{key}=1,2") for key in BENT])
-    return space, screened_part(Screening(given.data, space, (), 3), 0, np.array(list(BENT.values())).T)
+    space = space_of(given, [varied_of(f"{key}=1,2") for key in OVERLAPPING])
+    return space, screened_part(Screening(given.data, space, (), 3), 0, np.array(list(OVERLAPPING.values())).T)
 
 
 def test_a_sweep_of_rows_makes_what_their_check_makes() -> None:
@@ -271,7 +271,7 @@ def test_a_sweep_of_rows_tells_what_their_check_and_their_strength_tell(tmp_path
     names = deeper_names(loaded("idler-chain").design, "strength")
     found = deepened(data, names, "strength", screened.at(screened.made))
     assert found.figures[ROOM].tolist() == [pytest.approx(-5.22, abs=0.01), np.inf]
-    bent = {key: values[1] for key, values in BENT.items()}
+    bent = {key: values[1] for key, values in OVERLAPPING.items()}
     file = tmp_path / "bent.yaml"
     file.write_text(design_copy(loaded("idler-chain"), bent), encoding="utf-8")
     train = load_train(file).file.train.train()
