@@ -163,6 +163,15 @@ def test_a_second_meaning_of_a_name_is_seen() -> None:
     assert twice_named({keys: text, value: text, other: text}) == {"Law"}
 
 
+def test_no_file_gives_a_constant_twice() -> None:
+    """What was written for the first value would take the second."""
+    twice = []
+    for file in [*SOURCE.rglob("*.py"), *(ROOT / "tests").glob("*.py")]:
+        names = re.findall(r"^([A-Z]\w+)(?:: .+)? = ", file.read_text(encoding="utf-8"), re.MULTILINE)
+        twice += [f"{file.name}: {name}" for name in {*names} if names.count(name) > 1]
+    assert twice == []
+
+
 def test_the_page_of_the_house_has_every_room_in_order() -> None:
     """A room's place in docs/house.md is not above that of a room which it may import."""
     page = (ROOT / "docs" / "house.md").read_text(encoding="utf-8")

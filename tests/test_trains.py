@@ -509,14 +509,14 @@ def test_a_check_says_what_the_train_is(run: Run) -> None:
     assert "teeth (undercut, tips and strength" in out
 
 
-RING = FILE.replace("ratio:", "idler: ring\n  planet_turns: 3\n  ratio:").replace("teeth:", "rim_mm: 6, teeth:")
+RING_FILE = FILE.replace("ratio:", "idler: ring\n  planet_turns: 3\n  ratio:").replace("teeth:", "rim_mm: 6, teeth:")
 
 
 @at_once(
     ("command", "text"),
     [
         *((one, TRAINS["lobed-motor"].read_text()) for one in ("simulate", "strength", "balance", "tolerance", "size")),
-        ("strength", RING),
+        ("strength", RING_FILE),
     ],
 )
 def test_other_commands_say_what_works(run: Run, command: str, text: str) -> None:
