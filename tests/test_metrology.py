@@ -38,7 +38,7 @@ from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
 from ncgear.teeth.form import Backlash, TipRelief, ToothForm
 from ncgear.teeth.gear import ToothedGear, toothed_pair
-from ncgear.teeth.reach import root_radii_mm, tip_radii_mm
+from ncgear.teeth.reach import reach_of
 from pairs import rack
 
 DESIGNS = Path(__file__).parents[1] / "designs"
@@ -328,8 +328,8 @@ def test_a_thicker_tooth_widens_the_span_by_its_cosine_and_pins_as_the_closed_fo
 
 def test_tip_and_root_radii_of_a_circular_gear() -> None:
     gear = circular(30, 0.3, 0.1)
-    np.testing.assert_allclose(tip_radii_mm(gear), 30.0 + 2.0 + 0.6, rtol=1e-12)
-    np.testing.assert_allclose(root_radii_mm(gear), 30.0 - 2.5 + 0.6, rtol=1e-12)
+    np.testing.assert_allclose(reach_of(gear).tip_mm, 30.0 + 2.0 + 0.6, rtol=1e-12)
+    np.testing.assert_allclose(reach_of(gear).root_mm, 30.0 - 2.5 + 0.6, rtol=1e-12)
 
 
 @at_once("module", [2e-6, 0.0013, 0.07, 0.2, 0.7, 2.0, 6.0, 28.0, 60.0])

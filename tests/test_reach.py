@@ -14,7 +14,7 @@ from ncgear.figures.data_sheet.sheet import sizes
 from ncgear.files.build import build
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.teeth.reach import farthest_mm, root_radii_mm, tip_radii_mm
+from ncgear.teeth.reach import reach_of
 
 Array = np.ndarray
 
@@ -35,9 +35,9 @@ def finely(name: str) -> Drive:
 @pytest.mark.parametrize("name", NAMES)
 def test_the_greatest_radius_is_that_of_a_dense_polygon(name: str, gear: Gear) -> None:
     toothed = finely(name).teeth.of(gear)
-    radii = np.hypot(*toothed.outline_mm.T)
-    assert farthest_mm(toothed) == pytest.approx(radii.max(), abs=2.0 * CHORD_MM)
-    nearest, farthest = tip_radii_mm(toothed), root_radii_mm(toothed)
+    reach, radii = reach_of(toothed), np.hypot(*toothed.outline_mm.T)
+    assert reach.farthest_mm == pytest.approx(radii.max(), abs=2.0 * CHORD_MM)
+    nearest, farthest = reach.tip_mm, reach.root_mm
     if toothed.flanks.curve.is_ring:
         assert (nearest.min(), farthest.max()) == pytest.approx((radii.min(), radii.max()), abs=2.0 * CHORD_MM)
         return
@@ -55,11 +55,12 @@ def test_every_tooth_and_space_is_as_far_as_its_part_of_the_polygon() -> None:
     middles[-1] += flanks.curve.length_mm / 2.0
     teeth = np.angle(flanks.curve.at_length(flanks.crossing_mm.reshape(-1, 2).mean(axis=1)).position @ [1.0, 1j])
     spaces = np.angle(flanks.curve.at_length(middles).position @ [1.0, 1j])
+    reach = reach_of(toothed)
     for number in range(toothed.teeth):
         of_tooth = _between(outline, spaces[number - 1], spaces[number])
         of_space = _between(outline, teeth[number], teeth[(number + 1) % toothed.teeth])
-        assert tip_radii_mm(toothed)[number] == pytest.approx(np.abs(of_tooth).max(), abs=2.0 * CHORD_MM)
-        assert root_radii_mm(toothed)[number] == pytest.approx(np.abs(of_space).min(), abs=2.0 * CHORD_MM)
+        assert reach.tip_mm[number] == pytest.approx(np.abs(of_tooth).max(), abs=2.0 * CHORD_MM)
+        assert reach.root_mm[number] == pytest.approx(np.abs(of_space).min(), abs=2.0 * CHORD_MM)
 
 
 def _between(points: Array, start_rad: float, end_rad: float) -> Array:
@@ -76,8 +77,8 @@ def test_middles_of_lands_reach_less_far() -> None:
     toothed = finely("oval-flow-meter").teeth.driving
     at, height = (values.reshape(-1, 2).mean(axis=1) for values in (toothed.sides.tip_mm, toothed.flanks.tip_height_mm))
     middles = np.linalg.norm(toothed.flanks.offset(at, height)[0], axis=1)
-    assert farthest_mm(toothed) - middles.max() > 0.02
-    assert farthest_mm(toothed) == pytest.approx(42.0677, abs=5e-5)
+    assert reach_of(toothed).farthest_mm - middles.max() > 0.02
+    assert reach_of(toothed).farthest_mm == pytest.approx(42.0677, abs=5e-5)
 
 
 @pytest.mark.tiers(slow=["oval-flow-meter"], rest="long")
@@ -106,5 +107,5 @@ def test_circular_gears_are_as_large_as_their_rack_says() -> None:
         f"name: round\noperation: {{speed_rpm: 60}}\nmotion: {{law: ratio_expression, ratio: '1'}}\n{gears}\n"
     ).teeth
     for gear, shift in ((teeth.driving, 0.5), (teeth.driven, -0.5)):
-        np.testing.assert_allclose(tip_radii_mm(gear), 38.75 + 2.5 + shift, rtol=1e-12)
-        np.testing.assert_allclose(root_radii_mm(gear), 38.75 - 3.125 + shift, rtol=1e-12)
+        np.testing.assert_allclose(reach_of(gear).tip_mm, 38.75 + 2.5 + shift, rtol=1e-12)
+        np.testing.assert_allclose(reach_of(gear).root_mm, 38.75 - 3.125 + shift, rtol=1e-12)

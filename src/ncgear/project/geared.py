@@ -55,6 +55,7 @@ if TYPE_CHECKING:
     from ncgear.teeth.fitting import PairTips
     from ncgear.teeth.form import CutterKind, ToothForm
     from ncgear.teeth.gear import ToothedPair
+    from ncgear.teeth.reach import Reach
     from ncgear.trains.chain import PairRow
     from ncgear.trains.contact import Distance
 
@@ -282,21 +283,19 @@ class Geared(Moving):
         return None if given is None else {gear: far + given.clearance_mm for gear, far in self.outer_radii_mm.items()}
 
     @computed
-    def tooth_radii_mm(self) -> dict[Gear, tuple[Array, Array]]:
-        """For each tooth the distance from the axis to its tip and to the bottom of the next space, shape (z,) each."""
-        from ncgear.teeth.reach import root_radii_mm, tip_radii_mm
+    def reach(self) -> dict[Gear, Reach]:
+        """How far the teeth and the spaces of each gear reach from its axis."""
+        from ncgear.teeth.reach import reach_of
 
-        return {gear: (tip_radii_mm(self.teeth.of(gear)), root_radii_mm(self.teeth.of(gear))) for gear in Gear}
+        return {gear: reach_of(self.teeth.of(gear)) for gear in Gear}
 
     @computed
     def outer_radii_mm(self) -> dict[Gear, float]:
         """Largest distance of each gear's points from its axis: of its teeth in all sections, or of a ring's rim."""
         from ncgear.project.gear_solids import rim_mm_of
         from ncgear.solids.plan.plan import outer_radius_mm
-        from ncgear.teeth.reach import farthest_mm
 
-        teeth = self.teeth
-        radii = {gear: farthest_mm(teeth.of(gear)) for gear in Gear}
+        radii = {gear: reach.farthest_mm for gear, reach in self.reach.items()}
         if self.helix is not None:
             solids = self.solids
             return {
@@ -305,7 +304,7 @@ class Geared(Moving):
             }
         if self.pitch.driven.is_ring:
             rim_mm = rim_mm_of(self.gears, self.pitch.size.module_mm)
-            radii[Gear.DRIVEN] = outer_radius_mm(teeth.driven.outline_mm, rim_mm)
+            radii[Gear.DRIVEN] = outer_radius_mm(self.teeth.driven.outline_mm, rim_mm)
         return radii
 
     @computed

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.zeros import zeros_between
 from ncgear.teeth.gear import ToothedGear
@@ -21,31 +22,34 @@ PROBES = np.linspace(0.0, 1.0, 9)
 """Shares of each curve between which its radius has at most one extreme: it turns by far less than half a turn."""
 
 
-def tip_radii_mm(gear: ToothedGear) -> Array:
-    """Greatest radius of each tooth from the axis, in a ring the least, shape (z,)."""
-    return _of_teeth(gear, (FLANK_CURVE, TIP_LAND), outwards=not gear.flanks.curve.is_ring)
+@dataclass(frozen=True, eq=False)
+class Reach:
+    """Distances from the axis: of each tooth's tip the greatest (in a ring the least), of the bottom of the space after
+    each tooth the least (in a ring the greatest), shape (z,) each, and the greatest of the whole outline.
+    """
+
+    tip_mm: Array
+    root_mm: Array
+    farthest_mm: float
 
 
-def root_radii_mm(gear: ToothedGear) -> Array:
-    """Least radius of the space after each tooth, in a ring the greatest, shape (z,)."""
-    return _of_teeth(gear, (FILLET_CURVE, ROOT_LAND), outwards=gear.flanks.curve.is_ring)
-
-
-def farthest_mm(gear: ToothedGear) -> float:
-    """Greatest distance of the outline from the axis."""
-    return max(float(_extremes(curve)[1].max()) for curve in exact_curves(gear.tips, gear.sides) if curve.owner.size)
-
-
-def _of_teeth(gear: ToothedGear, kinds: tuple[int, int], *, outwards: bool) -> Array:
-    """The farthest places from the axis, or the nearest, of curves of some kinds, by the teeth that they belong to."""
+def reach_of(gear: ToothedGear) -> Reach:
+    """How far the teeth of a gear reach, and its spaces."""
     curves, flanks = exact_curves(gear.tips, gear.sides), gear.flanks
-    found = np.full(flanks.count // 2, -np.inf if outwards else np.inf)
-    for kind in kinds:
-        owner = curves[kind].owner
-        # A fillet before a back flank is in the space after the tooth before.
-        tooth = (owner - (kind == FILLET_CURVE)) // 2 % found.size
-        (np.maximum if outwards else np.minimum).at(found, tooth, _extremes(curves[kind])[int(outwards)])
-    return found[: gear.teeth]
+    extremes = {kind: _extremes(curve) for kind, curve in enumerate(curves) if curve.owner.size}
+
+    def of_teeth(kinds: tuple[int, int], *, outwards: bool) -> Array:
+        found = np.full(flanks.count // 2, -np.inf if outwards else np.inf)
+        for kind in extremes.keys() & set(kinds):
+            # A fillet before a back flank is in the space after the tooth before.
+            tooth = (curves[kind].owner - (kind == FILLET_CURVE)) // 2 % found.size
+            (np.maximum if outwards else np.minimum).at(found, tooth, extremes[kind][int(outwards)])
+        return found[: gear.teeth]
+
+    is_ring = flanks.curve.is_ring
+    tip_mm = of_teeth((FLANK_CURVE, TIP_LAND), outwards=not is_ring)
+    root_mm = of_teeth((FILLET_CURVE, ROOT_LAND), outwards=is_ring)
+    return Reach(tip_mm, root_mm, max(float(far.max()) for _, far in extremes.values()))
 
 
 def _extremes(curve: CurveStretch) -> tuple[Array, Array]:

@@ -120,9 +120,9 @@ def sizes(drive: Drive) -> Iterator[SheetEntry]:
     yield of_both(OF_GEAR["length"], map(pitch.length_mm, Gear))
     section = ", z = 0" if drive.helix else ""
     yield of_both("pitch radius", map(pitch.radius_range_mm, Gear))
-    for place, name in enumerate(("tips", "roots")):
-        radii = (drive.tooth_radii_mm[gear][place] for gear in Gear)
-        yield of_both(f"radius of {name}{section}", ((float(one.min()), float(one.max())) for one in radii))
+    for name in ("tip", "root"):
+        radii = (getattr(drive.reach[gear], f"{name}_mm") for gear in Gear)
+        yield of_both(f"radius of {name}s{section}", ((float(one.min()), float(one.max())) for one in radii))
     yield of_both("greatest radius over all", map(drive.outer_radii_mm.__getitem__, Gear))
     if drive.housing_radii_mm:
         yield of_both("bore of the housing", (2.0 * radius for radius in drive.housing_radii_mm.values()))
