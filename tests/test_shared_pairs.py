@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from functools import cache
 from itertools import pairwise
+from math import inf
 
 import mpmath
 import numpy as np
@@ -133,6 +134,8 @@ def test_even_safeties_of_pressures_in_closed_form() -> None:
         with pytest.raises(NoSuchMechanism, match=said) as wrong:
             evenly_safe(told)
         assert wrong.value.key == "gears.sharing"
+    with pytest.raises(WrongInput, match="the teeth carry no load"):
+        evenly_safe(lambda _part: (inf, inf))
 
 
 @pytest.mark.slow

@@ -43,6 +43,12 @@ def test_grids_and_lists_are_combined_and_the_last_key_varies_fastest() -> None:
     assert space.values(3, 2).tolist() == [[2.0, -25.0], [3.0, 5.0]]
 
 
+def test_even_values_are_decimals_up_to_their_end() -> None:
+    """In binary steps these end at 360.00000000000006, which no key of degrees takes, and zero is 2.2e-16."""
+    assert varied_of("a=-169.2:360:4") == Listed("a", (-169.2, 7.2, 183.6, 360.0))
+    assert varied_of("a=-1.2:0.4:9") == Listed("a", (-1.2, -1.0, -0.8, -0.6, -0.4, -0.2, 0.0, 0.2, 0.4))
+
+
 @pytest.mark.parametrize("sampling", ["sobol", "latin-hypercube"])
 def test_any_stretch_of_designs_is_that_of_all(sampling: Any) -> None:
     """Stretches begin and end anywhere, and run over the end of the samples, which begin anew for the next list."""

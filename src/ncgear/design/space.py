@@ -13,6 +13,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from difflib import get_close_matches
+from fractions import Fraction
 from functools import lru_cache
 from itertools import pairwise
 from math import isfinite, prod
@@ -171,8 +172,9 @@ def varied_of(text: str) -> Listed | Ranged:
         return Ranged(key, float(low), float(high))
     if not isinstance(count[0], int) or not 2 <= count[0] <= MOST_VALUES:
         raise WrongInput(f"{count[0]} values of {key} asked for; 2 to {MOST_VALUES} are right", key=OPTION)
-    steps = range(count[0])
-    return Listed(key, tuple(float(low + (high - low) * step / (count[0] - 1)) for step in steps))
+    # As written in decimals, so that the last value is the end itself and a value at zero is zero
+    first, last = Fraction(str(low)), Fraction(str(high))
+    return Listed(key, tuple(float(first + (last - first) * step / (count[0] - 1)) for step in range(count[0])))
 
 
 def _list(key: str, values: Sequence[float]) -> Listed:
@@ -199,6 +201,8 @@ def space_of(
             raise WrongInput(f"{one.key} is given twice; keep one", key=OPTION)
         _require_number(loaded, one.key)
     ranges = [one for one in varied if isinstance(one, Ranged)]
+    for one in ranges:
+        _require_fractions(loaded, one)
     if ranges and samples is None:
         raise WrongInput(
             f"missing; {ranges[0].key} has a range; give a number of sampled points, as --samples 1024, or give "
@@ -208,8 +212,6 @@ def space_of(
     if samples is not None and not ranges:
         problem = "nothing is sampled, since every key has a grid or a list; leave it out, or give a range, KEY=FROM:TO"
         raise WrongInput(problem, key="--samples")
-    for one in ranges:
-        _require_fractions(loaded, one)
     space = Space(tuple(varied), samples or 1, sampling, seed)
     if space.count > MOST_DESIGNS:
         problem = f"{space.count} designs asked for; {MOST_DESIGNS} or fewer are right"

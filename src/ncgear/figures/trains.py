@@ -89,7 +89,9 @@ def _meets(one: MeshContact, how: str, value_mm: float, at_rad: float) -> str:
     return f"{one.first} and {one.second} {how} {to_digits(value_mm, 3)} mm at {placed(degrees(at_rad))} deg"
 
 
-TEETH = TrainCondition("teeth", None, "undercut, tips and strength: for chains and planetary trains, ncgear strength")
+TEETH = TrainCondition(
+    "teeth", None, "undercut, tips and strength: for chains and planetary trains without a ring, ncgear strength"
+)
 """What neither a check nor a build of a train says of its teeth."""
 
 

@@ -8,8 +8,9 @@ where the torque is small while the driven shaft is fast.
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import isinf
 
-from ncgear.errors import NoSuchMechanism
+from ncgear.errors import NoSuchMechanism, WrongInput
 
 EVENLY_SAFE = 0.002
 """Largest difference of both safeties that counts as none, as a share of their sum."""
@@ -25,8 +26,8 @@ def evenly_safe(shares: Callable[[float], tuple[float, ...]]) -> float:
     """The part of the first pair, from 0 to 1, with which both pairs have the same least safety.
 
     ``shares`` tells each pair's least safety over the wanted safety for a part of the first pair; zero for gears that
-    cannot be rated.  Raises NoSuchMechanism where one pair is the safer with all parts, or where the safeties jump past
-    each other.
+    cannot be rated.  Raises WrongInput where the teeth carry no load, NoSuchMechanism where one pair is the safer with
+    all parts, or where the safeties jump past each other.
     """
     from scipy.optimize import brentq
 
@@ -37,6 +38,8 @@ def evenly_safe(shares: Callable[[float], tuple[float, ...]]) -> float:
         if part not in known:
             known[part] = shares(part)
         first, second = known[part]
+        if isinf(first + second):
+            raise WrongInput("the teeth carry no load at any angle, so none is safer than another", key="resistance")
         difference = (first - second) / (first + second)
         return difference if abs(difference) > EVENLY_SAFE else 0.0
 
