@@ -28,8 +28,8 @@ from ncgear.memory import begin_worker
 from ncgear.numerics.arrays import Array
 from ncgear.screening import designs, rows
 from ncgear.screening.designs import MADE, screened_block
-from ncgear.screening.rows import single_figures
 from ncgear.screening.samples import Fineness
+from ncgear.screening.single import single_figures
 from ncgear.workers import finished
 
 ROOT = Path(__file__).parents[1]

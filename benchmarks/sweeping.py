@@ -40,7 +40,7 @@ from ncgear.screening import designs as designs_module
 from ncgear.screening.deeper import deepened, deeper_names
 from ncgear.screening.designs import Block, Screening, screened_part
 from ncgear.screening.overview import no_overview
-from ncgear.screening.rows import figure_names
+from ncgear.screening.single import figure_names
 from ncgear.screening.wanted import Objective, Wanted
 from ncgear.workers import finished
 

@@ -19,7 +19,7 @@ from ncgear.figures.summary.check_summary import check_summary
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.project.drive import Drive
 from ncgear.ratio.transmission import Law, Lobes, PrescribedStroke, single
-from ncgear.screening.rows import single_figures
+from ncgear.screening.single import single_figures
 from oracles.laws import REFERENCES
 
 SOURCE = ROOT / "src" / "ncgear"

@@ -37,7 +37,7 @@ from ncgear.project.service import densities_kg_m3
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import single
 from ncgear.screening.designs import screened_part
-from ncgear.screening.rows import single_figures
+from ncgear.screening.single import single_figures
 
 Told = tuple[str, str, bool, float]
 """A command, the key of a figure, whether it is the uniform crank's, and the value that is told."""

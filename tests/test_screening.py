@@ -22,8 +22,8 @@ from ncgear.screening import designs as block_module
 from ncgear.screening import rows as figures_module
 from ncgear.screening.batch import Batch, kind_of
 from ncgear.screening.designs import MADE, Block, screened_block
-from ncgear.screening.rows import single_figures
 from ncgear.screening.samples import Fineness, laws_of
+from ncgear.screening.single import single_figures
 
 CHECK_FIGURES = (
     "drive.law_speed_rpm",

@@ -32,7 +32,7 @@ from ncgear.mechanisms.scotch_yoke import ScotchYoke
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.project.drive import Drive
-from ncgear.screening.rows import single_figures
+from ncgear.screening.single import single_figures
 from scenes import in_a_browser
 from test_scene_page import hermite, text_of
 

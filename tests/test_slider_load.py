@@ -41,7 +41,7 @@ from ncgear.project.drive import Drive
 from ncgear.ratio.sampled_strokes import BUMP_HEIGHT
 from ncgear.screening.batch import kind_of
 from ncgear.screening.designs import screened_block
-from ncgear.screening.rows import single_figures
+from ncgear.screening.single import single_figures
 from oracles import newton_euler
 from published import BALER_LINKAGE, FIT, OFFSET, PRESS, RPM
 from test_family import SHAPES, family_of, points_of

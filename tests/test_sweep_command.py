@@ -20,7 +20,7 @@ from ncgear.files import sweep as files
 from ncgear.project.drive import Drive
 from ncgear.screening.deeper import deepened, deeper_names
 from ncgear.screening.designs import MADE, Designs
-from ncgear.screening.rows import single_figures
+from ncgear.screening.single import single_figures
 
 SPEEDS = "motion.v1_mm_s=1500:1700:3"
 

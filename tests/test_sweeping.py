@@ -31,7 +31,8 @@ from ncgear.numerics.sampled import Functions
 from ncgear.screening import designs as designs_module
 from ncgear.screening.designs import Block, Designs, joined
 from ncgear.screening.overview import _bins, no_overview, rank_correlations
-from ncgear.screening.rows import _closes, figure_names
+from ncgear.screening.rows import _closes
+from ncgear.screening.single import figure_names
 from ncgear.screening.wanted import Constraint, Objective, Wanted, best_rows, constraint_of, non_dominated, objective_of
 
 # --- which designs there are

@@ -21,7 +21,7 @@ from ncgear.kinematics.check import kinematic_check
 from ncgear.mechanisms.mechanism import require_rod
 from ncgear.project.best_law import BestLaw
 from ncgear.project.drive import Drive
-from ncgear.screening.rows import single_figures
+from ncgear.screening.single import single_figures
 
 NAME = "kinds.md"
 

@@ -16,7 +16,7 @@ from ncgear.numerics.arrays import Mask
 from ncgear.screening.deeper import OF_WANTED, ROOM, is_row
 from ncgear.screening.designs import Designs, joined
 from ncgear.screening.overview import Overview, rank_correlations
-from ncgear.screening.rows import WITH_MASSES
+from ncgear.screening.single import WITH_MASSES
 from ncgear.screening.wanted import Constraint, Wanted
 
 REFUSALS = 5

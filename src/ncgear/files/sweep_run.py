@@ -32,7 +32,7 @@ from ncgear.screening.batch import kind_of
 from ncgear.screening.deeper import deepened, deeper_names, require_stage
 from ncgear.screening.designs import Counted, Designs, Screening, joined, screened_part
 from ncgear.screening.overview import Overview, no_overview
-from ncgear.screening.rows import figure_names
+from ncgear.screening.single import figure_names
 from ncgear.screening.wanted import Wanted, best_rows
 from ncgear.workers import finished
 

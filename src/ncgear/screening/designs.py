@@ -20,8 +20,9 @@ from ncgear.errors import DesignError, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask, equal_rows
 from ncgear.screening.batch import Batch, BatchKind, kind_of
-from ncgear.screening.rows import figure_names, found_of, single_figures
+from ncgear.screening.rows import found_of
 from ncgear.screening.samples import Fineness, laws_of, refused_at_once
+from ncgear.screening.single import figure_names, single_figures
 
 MADE = "made"
 
