@@ -226,13 +226,6 @@ def test_shafts_between_are_counted() -> None:
     assert "masses.shaft_between_kg_mm2" in str(refused.value)
 
 
-def test_teeth_of_chains_at_rest_under_load_are_not_computed() -> None:
-    with pytest.raises(
-        WrongInput, match="three pairs of gears; teeth at rest under load are computed of one; --level dynamic follows"
-    ):
-        _ = drive("3 pairs").loaded_contact
-
-
 def test_an_idler_counts_once() -> None:
     """An idler is one body in two meshes, while two gears are on the shaft between two pairs."""
     row = drive_of_text(bent([40, -70]) + "masses: {shaft_kg_mm2: 20000}\n")

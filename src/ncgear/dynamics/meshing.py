@@ -176,7 +176,7 @@ class Meshing:
         near, speeds = self.gaps.at(shafts.phi1_rad), (shafts.speed1_rad_s, shafts.speed2_rad_s)
         return self._near(near, _column(angle - shafts.phi2_rad) + near.error_rad, ratio, speeds)
 
-    def beyond(self, phi1_rad: Array, side: Array, speed_rad_s: float) -> Callable[[Array], ToothForces]:
+    def beyond(self, phi1_rad: Array, side: Array, speed_rad_s: Array | float) -> Callable[[Array], ToothForces]:
         """Forces of the flanks of one side, +1 or -1, by the driven gear's angle beyond the law's; shape (n,) each.
 
         The driving shaft turns at ``speed_rad_s``, the driven shaft by the law.  Depths are known to rounding errors

@@ -87,19 +87,21 @@ class LoadedContact:
         return counted
 
 
-def loaded_contact(meshing: Meshing, phi1_rad: Array, torque_n_mm: Array, speed_rad_s: float) -> LoadedContact:
+def loaded_contact(meshing: Meshing, phi1_rad: Array, torque_n_mm: Array, speed_rad_s: Array | float) -> LoadedContact:
     """The teeth at driving angles in rad under torques in N mm on the driven shaft, shape (n,) each.
 
-    The speed of the driving shaft gives the flanks' sliding, and so the sense of friction; 0 means no friction.  Where
-    the torque is 0 the gears stand on pushing flanks that just touch.  Raises Unanswered where no balance is
-    found, and NoSuchMechanism where teeth would be pressed deeper into each other than the tables reach.
+    The speed of the driving gear, everywhere or at each angle, gives the flanks' sliding, and so the sense of friction;
+    0 means no friction.  Where the torque is 0 the gears stand on pushing flanks that just touch.  Raises Unanswered
+    where no balance is found, and NoSuchMechanism where teeth would be pressed deeper into each other than the tables
+    reach.
     """
     resting = replace(meshing, impact=replace(meshing.impact, damping_n_s_mm=0.0))
     ahead = meshing.gaps.play_rad(phi1_rad)[0]
     loaded = np.nonzero(torque_n_mm)[0]
-    ahead[loaded] = _balanced(resting, phi1_rad[loaded], torque_n_mm[loaded], speed_rad_s)
+    speed = np.broadcast_to(speed_rad_s, phi1_rad.shape)
+    ahead[loaded] = _balanced(resting, phi1_rad[loaded], torque_n_mm[loaded], speed[loaded])
     meshing.require_reach(phi1_rad, ahead)
-    return LoadedContact(phi1_rad, ahead, resting.beyond(phi1_rad, pressed_side(torque_n_mm), speed_rad_s)(ahead))
+    return LoadedContact(phi1_rad, ahead, resting.beyond(phi1_rad, pressed_side(torque_n_mm), speed)(ahead))
 
 
 def pressed_side(torque_n_mm: Array) -> Array:
@@ -142,6 +144,17 @@ def loaded_peaks(loaded_at: Callable[[Array], LoadedContact], phi1_rad: Array, p
     return LoadedPeaks(force, depth, torque, ahead.value + behind.value, pairs)
 
 
+def variation_rad(error_rad: Callable[[Array], Array], phi1_rad: Array) -> float:
+    """Peak to peak variation of a driven angle beyond the law's, at angles as dense as those of ``loaded_peaks``."""
+
+    def both(phi1: Array) -> Array:
+        error = error_rad(phi1)
+        return np.stack([error, -error])
+
+    ahead, behind = largest_from(both, phi1_rad, both(phi1_rad), np.full(2, ALIKE_RAD))
+    return ahead.value + behind.value
+
+
 TOLD = 1e-5
 """Tolerance of peaks, as a share of the largest depth, under loads too small for the resolution of angles."""
 
@@ -162,7 +175,7 @@ def _depth_of_next_mm(forces: ToothForces, pairs: int) -> Array:
     return depth
 
 
-def _balanced(meshing: Meshing, phi1_rad: Array, torque_n_mm: Array, speed_rad_s: float) -> Array:
+def _balanced(meshing: Meshing, phi1_rad: Array, torque_n_mm: Array, speed_rad_s: Array) -> Array:
     """Driven angles beyond the law's at which the teeth balance torques other than 0."""
     forces = meshing.beyond(phi1_rad, pressed_side(torque_n_mm), speed_rad_s)
 

@@ -21,6 +21,7 @@ from ncgear.dynamics.history import BETWEEN_BEARING, CRANK_BEARING, MESH_BEFORE,
 from ncgear.dynamics.level import Level
 from ncgear.dynamics.loaded_machine import Loads
 from ncgear.dynamics.meshing import Meshing
+from ncgear.dynamics.quasi_static import LoadedContact
 from ncgear.dynamics.rigid import LoadPeaks, Rigid
 from ncgear.errors import NoSuchMechanism
 from ncgear.figures.summary.check_summary import uniform_key
@@ -165,37 +166,63 @@ def _mesh(peaks: LoadPeaks) -> dict[str, Any]:
 
 
 def quasi_static_table(drive: Drive, rigid_torque_n_m: Array) -> dict[str, Array]:
-    """Angles, forces and depths of the loaded teeth, with the driving torque beside the rigid level's."""
-    loaded, motion = drive.loaded_contact, drive.motion
+    """Angles, forces and depths of the loaded teeth, with the driving torque beside the rigid level's.
+
+    Of pairs in series the error is that of all together, and forces and depths without a number are the last pair's.
+    """
+    each, motion = [pair.loaded_contact for pair in drive.by_stage], drive.motion
+    names, error = (*(f"{one}_" for one in ORDINALS[: len(each) - 1]), ""), drive.loaded_error_at(motion.phi1_rad)
     return {
         "phi1_rad": motion.phi1_rad,
-        "phi2_rad": motion.phi2_rad + loaded.error_rad,
-        "error_rad": loaded.error_rad,
-        "pairs": loaded.pairs.astype(float),
-        "tooth_force_n": loaded.tooth_force_n,
-        "depth_mm": np.maximum(loaded.forces.depth_mm.max(axis=-1), 0.0),
-        "driving_torque_n_m": N_M_PER_N_MM * loaded.driving_torque_n_mm,
+        "phi2_rad": motion.phi2_rad + error,
+        "error_rad": error,
+        **{
+            f"{of}{key}": one for of, pair in zip(names, each, strict=True) for key, one in _teeth_at_rest(pair).items()
+        },
+        "driving_torque_n_m": N_M_PER_N_MM * each[0].driving_torque_n_mm,
         "rigid_driving_torque_n_m": rigid_torque_n_m,
     }
 
 
+def _teeth_at_rest(loaded: LoadedContact) -> dict[str, Array]:
+    """The columns of a pair's loaded teeth."""
+    return {
+        "pairs": loaded.pairs.astype(float),
+        "tooth_force_n": loaded.tooth_force_n,
+        "depth_mm": np.maximum(loaded.forces.depth_mm.max(axis=-1), 0.0),
+    }
+
+
 def quasi_static_figures(drive: Drive) -> dict[str, Any]:
-    """The stiffness of the contact, and the peaks of the loaded teeth with the driving angles at which they are."""
+    """The stiffness of the contact, and the peaks of the loaded teeth with the driving angles at which they are.
+
+    The figures of several pairs are in ``pairs``, each with its own driving torque and its own driven angle's error.
+    """
+    pairs = [_pair_at_rest(pair) for pair in drive.by_stage]
+    told = pairs[0]
+    if len(pairs) > 1:
+        torque = {key: value for key, value in told.items() if key.startswith("peak_driving_torque")}
+        told = {"transmission_error_rad": drive.transmission_error_with(1.0), **torque, "pairs": pairs}
+    return {
+        **_about(drive, Level.QUASI_STATIC),
+        "loaded_contact": told,
+        "band_of_stiffness": _band(lambda factor: _loaded_with(drive, factor)),
+    }
+
+
+def _pair_at_rest(drive: Drive) -> dict[str, Any]:
+    """The teeth of a pair under load."""
     peaks, designed = drive.loaded_peaks, drive.designed_contact
     sides = drive.pairs_under_load or (designed.pushing.pairs, designed.back.pairs)
     return {
-        **_about(drive, Level.QUASI_STATIC),
-        "loaded_contact": {
-            **_stiffness(drive),
-            "transmission_error_rad": peaks.transmission_error_rad,
-            **extreme("peak_tooth_force", "n", peaks.tooth_force_n),
-            **extreme("peak_depth", "mm", peaks.depth_mm),
-            **extreme("peak_driving_torque", "n_m", peaks.driving_torque_n_mm, N_M_PER_N_MM),
-            "most_pairs": peaks.most_pairs,
-            "contact_ratio_mean": min(pairs.contact_ratio for pairs in sides),
-            "contact_ratio_min": min(pairs.least_arc for pairs in sides),
-        },
-        "band_of_stiffness": _band(lambda factor: _loaded_with(drive, factor)),
+        **_stiffness(drive),
+        "transmission_error_rad": peaks.transmission_error_rad,
+        **extreme("peak_tooth_force", "n", peaks.tooth_force_n),
+        **extreme("peak_depth", "mm", peaks.depth_mm),
+        **extreme("peak_driving_torque", "n_m", peaks.driving_torque_n_mm, N_M_PER_N_MM),
+        "most_pairs": peaks.most_pairs,
+        "contact_ratio_mean": min(pairs.contact_ratio for pairs in sides),
+        "contact_ratio_min": min(pairs.least_arc for pairs in sides),
     }
 
 
@@ -221,11 +248,11 @@ def _band(peaks_with: Callable[[float], dict[str, float]]) -> dict[str, dict[str
 
 
 def _loaded_with(drive: Drive, factor: float) -> dict[str, float]:
-    peaks = drive.loaded_peaks_with(factor)
+    pairs = [pair.loaded_peaks_with(factor) for pair in drive.by_stage]
     return {
-        "peak_tooth_force_n": peaks.tooth_force_n.value,
-        "peak_depth_mm": peaks.depth_mm.value,
-        "transmission_error_rad": peaks.transmission_error_rad,
+        "peak_tooth_force_n": max(one.tooth_force_n.value for one in pairs),
+        "peak_depth_mm": max(one.depth_mm.value for one in pairs),
+        "transmission_error_rad": drive.transmission_error_with(factor),
     }
 
 

@@ -121,12 +121,17 @@ def _size(force: Vector) -> Array:
 
 def teeth_under_load(drive: Drive, rigid_n_m: Array) -> list[Chart]:
     """Driving torque, tooth force, and lead over the law; ``rigid_n_m``, shape (n,), is the torque of rigid teeth."""
-    loaded, phi1, own = drive.loaded_contact, drive.motion.phi1_rad, "teeth give way"
-    torque = N_M_PER_N_MM * loaded.driving_torque_n_mm
+    each = [pair.loaded_contact for pair in drive.by_stage]
+    phi1, own = drive.motion.phi1_rad, "teeth give way"
+    torque, error = N_M_PER_N_MM * each[0].driving_torque_n_mm, drive.loaded_error_at(phi1)
+    names = (*(f"{one} gears: " for one in ORDINALS[: len(each) - 1]), "")
     return [
         simulated_chart("driving torque", "N m", phi1, (own, torque), ("rigid", rigid_n_m)),
-        simulated_chart("force of one pair", "N", phi1, (own, loaded.tooth_force_n)),
-        simulated_chart("ahead of the law", MICRORAD, phi1, (own, 1e6 * loaded.error_rad)),
+        *(
+            simulated_chart(f"{of}force of one pair", "N", phi1, (own, one.tooth_force_n))
+            for of, one in zip(names, each, strict=True)
+        ),
+        simulated_chart("ahead of the law", MICRORAD, phi1, (own, 1e6 * error)),
     ]
 
 
@@ -202,7 +207,8 @@ def simulate(drive: Drive, level: Level) -> Simulated:
     """
     table, figures, pictures = _at_level(drive, level)
     with_teeth = drive.design.gears is not None and (level is not Level.RIGID or drive.design.drivetrain is not None)
-    known, found = KnownParts.TEETH if with_teeth else KnownParts.MOTION, [(drive, list[Advice]())]
+    known = KnownParts.TEETH if with_teeth else KnownParts.MOTION
+    found = [(one, list[Advice]()) for one in ((drive,) if level is Level.RIGID else drive.by_stage)]
     if level is Level.DYNAMIC:
         pairs = zip(drive.by_stage, pairs_in_time(figures), strict=True)
         found = [(pair, _found_in_time(pair, moved)) for pair, moved in pairs]

@@ -13,7 +13,7 @@ import numpy as np
 
 from ncgear.design.words import listed
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput, located
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, distinct
 from ncgear.pitch.shape import Gear
 from ncgear.project.geared import Geared
 from ncgear.project.moving import computed, computed_by, left_words
@@ -465,12 +465,46 @@ class Drive(Geared):
             return stiffness_range(self.pitch, teeth, placed, stiffness)
 
     def _loaded_at(self, phi1_rad: Array, stiffness_factor: float = 1.0) -> LoadedContact:
-        """The teeth, stiffer by a factor, under the rigid level's torque at driving angles in rad, shape (n,)."""
+        """The teeth, stiffer by a factor, under the rigid level's torque at angles of the driving shaft, shape (n,).
+
+        A pair in series stands where the law turns it.  It bears what the teeth behind it and the shaft between need.
+        """
         from ncgear.dynamics.quasi_static import loaded_contact
 
-        torque = self.rigid.machine.at(phi1_rad).driven_torque.value
-        meshing = self._any_meshing.stiffened(stiffness_factor)
-        return loaded_contact(meshing, phi1_rad, torque, self.machine.speed_rad_s)
+        rigid, number = self.rigid.machine, self.stage or 1
+        loads, angles, stiffened = rigid.at(phi1_rad), rigid.angles(phi1_rad, 1), self._any_meshing.stiffened
+        torque = loads.driven_torque.value
+        if number < self.design.stages:
+            behind = self.whole.by_stage[number]._loaded_at(phi1_rad, stiffness_factor)
+            shaft = loads.passed[number - 1].value - loads.passed[number].value
+            torque = behind.driving_torque_n_mm + shaft / angles[number].derivative(1)
+        here, speed = angles[number - 1].value, angles[number - 1].derivative(1) * rigid.machine.speed_rad_s
+        return loaded_contact(stiffened(stiffness_factor), here, torque, speed)
+
+    def loaded_error_at(self, phi1_rad: Array, stiffness_factor: float = 1.0) -> Array:
+        """The last driven angle beyond the law's in rad, shape (n,): each pair after a pair turns its error on."""
+        error = np.zeros_like(phi1_rad)
+        for pair in self.by_stage:
+            loaded = pair._loaded_at(phi1_rad, stiffness_factor)
+            error = pair._any_meshing.law.at(loaded.phi1_rad)[1] * error + loaded.error_rad
+        return error
+
+    def transmission_error_with(self, stiffness_factor: float) -> float:
+        """Peak to peak variation of ``loaded_error_at`` over the angles of ``motion``."""
+        from ncgear.dynamics.quasi_static import variation_rad
+
+        if self.design.stages == 1:
+            return self.loaded_peaks_with(stiffness_factor).transmission_error_rad
+        places = distinct(np.concatenate([pair.loaded_places_rad for pair in self.by_stage]))
+        with self.stopwatch("peaks of loaded contact" if stiffness_factor == 1.0 else "band of stiffness"):
+            return variation_rad(partial(self.loaded_error_at, stiffness_factor=stiffness_factor), places)
+
+    @computed
+    def loaded_places_rad(self) -> Array:
+        """Angles of the driving shaft, rising, at which the peaks of loaded teeth are searched, shape (n,)."""
+        from ncgear.project.forces import loaded_places_rad
+
+        return loaded_places_rad(self.motion.phi1_rad, self.pair, self.meshing, self.rigid.machine)
 
     @computed
     def loaded_contact(self) -> LoadedContact:
@@ -485,17 +519,14 @@ class Drive(Geared):
     def loaded_peaks_with(self, stiffness_factor: float) -> LoadedPeaks:
         """As ``loaded_peaks``, with teeth stiffer by a factor."""
         from ncgear.dynamics.quasi_static import loaded_peaks
-        from ncgear.project.forces import loaded_places_rad
 
-        places = loaded_places_rad(self.motion.phi1_rad, self.meshing, self.rigid.machine)
         loaded = self.loaded_contact if stiffness_factor == 1.0 else self._loaded_with(stiffness_factor)
         at = partial(self._loaded_at, stiffness_factor=stiffness_factor)
         with self.stopwatch("peaks of loaded contact" if stiffness_factor == 1.0 else "band of stiffness"):
-            return loaded_peaks(at, places, int(loaded.pairs.max()))
+            return loaded_peaks(at, self.loaded_places_rad, int(loaded.pairs.max()))
 
     def _loaded_with(self, stiffness_factor: float) -> LoadedContact:
         """As ``loaded_contact``, with teeth stiffer by a factor."""
-        self.require_one_pair()
         phi1, _, _ = self.motion.phi1_rad, self.rigid, self.meshing
         with self.stopwatch("band of stiffness" if stiffness_factor != 1.0 else "loaded contact"):
             return self._loaded_at(phi1, stiffness_factor)

@@ -29,6 +29,7 @@ from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.numerics.units import N_PER_KG_MM_S2, RAD_S_PER_RPM
 from ncgear.pitch.pair import PitchPair
 from ncgear.project.tooth_load import ToothLoad
+from ncgear.ratio.transmission import Pair
 from ncgear.strength.material import Material
 from ncgear.strength.stiffness import ISO_N_MM_UM, STEEL_MPA
 from ncgear.teeth.gear import ToothedPair
@@ -234,14 +235,14 @@ def change_of_flanks(loads: Sequence[ToothLoad]) -> WrongInput | None:
     return None
 
 
-def loaded_places_rad(phi1_rad: Array, meshing: Meshing, rigid: RigidMachine) -> Array:
-    """Driving angles, rising and up to the last given angle, at which the peaks of loaded teeth are searched.
+def loaded_places_rad(phi1_rad: Array, pair: Pair, meshing: Meshing, rigid: RigidMachine) -> Array:
+    """Driving angles, rising and up to the last given angle, at which the peaks of a pair's loaded teeth are searched.
 
-    They are the given angles, the known angles of pairs of teeth, the joints of the law, and the turning points of the
-    load.
+    They are the given angles of the driving shaft, the known angles of pairs of teeth, the joints of the law, and the
+    turning points of the load.
     """
     breaks = [rigid.breaks(stretch) for stretch in stretches(rigid.machine)]
-    places = distinct(np.concatenate([phi1_rad, meshing.gaps.table.breaks, *breaks]))
+    places = distinct(np.concatenate([phi1_rad, pair.shaft_rad(meshing.gaps.table.breaks), *breaks]))
     return places[places <= phi1_rad[-1]]
 
 

@@ -540,13 +540,6 @@ class Geared(Moving):
         """The forces in the uniform crank with the same masses."""
         return self._rigid(lambda: self.uniform_driving)
 
-    def require_one_pair(self) -> None:
-        """Raise WrongInput where there are more pairs of gears."""
-        if self.design.stages > 1:
-            said, key = self.design.stages_said
-            problem = f"{said}; teeth at rest under load are computed of one; --level dynamic follows all in motion"
-            raise WrongInput(problem, key=key)
-
     def _rigid(self, driving: Callable[[], DrivingShaft]) -> Rigid:
         from ncgear.dynamics.rigid import rigid_level
 

@@ -11,7 +11,7 @@ from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.answer import Answer, Row, difference, faults_of, row
 from ncgear.figures.answers.machine import THIS, head_of
 from ncgear.figures.numbers import PLACE, figure, name_of, to_digits
-from ncgear.figures.simulated import SAME_AS_MESH, pairs_in_time
+from ncgear.figures.simulated import SAME_AS_MESH
 from ncgear.figures.strong import decided_words
 from ncgear.figures.summary.check_summary import uniform_key
 from ncgear.project.drive import Drive
@@ -29,7 +29,7 @@ AFTER = {
     Level.QUASI_STATIC: "ncgear simulate {file} --level dynamic",
     Level.DYNAMIC: "ncgear strength {file}",
 }
-"""What to run after each level, where the design has gears; several pairs have no level quasi_static."""
+"""What to run after each level, where the design has gears."""
 
 COMPARED = (
     "peak_driving_torque_n_m",
@@ -46,7 +46,7 @@ COMPARED = (
 
 IN_BAND = ("peak_tooth_force_n", "peak_depth_mm", "transmission_error_rad")
 LOADED = ("peak_driving_torque_n_m", "most_pairs", "contact_ratio_mean", "contact_ratio_min")
-"""What is told of loaded teeth: with the band of their stiffness, and without."""
+"""What is told of loaded teeth: with the band of their stiffness, and without; pairs in series leave no room for it."""
 
 MOVED = (
     "peak_pushing_force_n",
@@ -71,21 +71,21 @@ def simulated_answer(drive: Drive, level: Level, figures: Mapping[str, Any], ver
             rows = [*_compared(own, other, drive.design.stages), *_around(figures.get("drivetrain", {}))]
         case Level.QUASI_STATIC:
             loaded, band = figures["loaded_contact"], figures["band_of_stiffness"]
-            shares = [one["stiffness_factor"] for one in (band["softer"], band["stiffer"])]
-            heads = "as computed", *(f"stiffness x {share:g}" for share in shares)
-            rows = [row(key, loaded[key], *(one.get(key) for one in band.values())) for key in IN_BAND]
-            rows += [row(key, loaded[key]) for key in LOADED] + _not_followed(band)
+            beside = [*band.values()] if drive.design.stages == 1 else []
+            heads = "as computed", *(f"stiffness x {one['stiffness_factor']:g}" for one in beside)
+            rows = [Row(name_of(key), tuple(_of_all(one, key) for one in (loaded, *beside))) for key in IN_BAND]
+            rows += [Row(name_of(key), (_of_all(loaded, key),)) for key in LOADED] + _not_followed(band)
         case Level.DYNAMIC:
-            pairs, moved = pairs_in_time(figures), figures["motion_in_time"]
+            moved = figures["motion_in_time"]
             output, bearings = figures[drive.linkage.OUTPUT.name.replace(" ", "_")], figures["bearings"]
             rows = [row(key, value) for key, value in output.items() if not key.endswith(PLACE)]
-            rows += [Row(name_of(key), (", ".join(figure(key, pair[key]) for pair in pairs),)) for key in MOVED]
+            rows += [Row(name_of(key), (_of_all(moved, key),)) for key in MOVED]
             rows += [row("peak_driving_torque_n_m", moved["peak_driving_torque_n_m"])]
             rows += [row(key, value) for key, value in bearings.items() if not key.endswith(PLACE)]
-            about += f"; teeth of {drive.design.stages_said[0]}, from the driving shaft on" if len(pairs) > 1 else ""
             rows += _not_followed(figures["band_of_stiffness"])
-    rated = AFTER[level if drive.design.stages == 1 or level is Level.DYNAMIC else Level.QUASI_STATIC]
-    after = "ncgear build {file}" if refusal_of_series(drive) else rated
+    if level is not Level.RIGID and drive.design.stages > 1:
+        about += f"; teeth of {drive.design.stages_said[0]}, from the driving shaft on"
+    after = "ncgear build {file}" if refusal_of_series(drive) else AFTER[level]
     return Answer(
         head_of(drive),
         tuple(rows),
@@ -96,6 +96,12 @@ def simulated_answer(drive: Drive, level: Level, figures: Mapping[str, Any], ver
         not_judged=verdict.not_judged,
         then=after.format(file=file) if drive.design.gears is not None else "",
     )
+
+
+def _of_all(found: Mapping[str, Any], key: str) -> str:
+    """A figure of the whole, or else of each pair in series; empty where there is neither."""
+    told = [found] if key in found else found.get("pairs", [])
+    return ", ".join(figure(key, one[key]) for one in told)
 
 
 def _not_followed(band: Mapping[str, Any]) -> list[Row]:
