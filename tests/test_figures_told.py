@@ -120,7 +120,8 @@ def test_a_law_under_load_is_behind_by_its_error() -> None:
                   forces=Made(depth_mm=np.array([[0.01, 0.02], [-0.5, -0.1]])),
                   driving_torque_n_mm=np.array([1500.0, -500.0]))  # fmt: skip
     motion = Made(phi1_rad=np.array([0.1, 0.2]), phi2_rad=np.array([0.15, 0.25]))
-    told = quasi_static_table(Made(loaded_contact=loaded, motion=motion), np.array([1.4, -0.4]))
+    drive = Made(by_stage=[Made(loaded_contact=loaded)], motion=motion, loaded_error_at=lambda _phi1: loaded.error_rad)
+    told = quasi_static_table(drive, np.array([1.4, -0.4]))
     assert told["phi2_rad"] == pytest.approx([0.151, 0.248])
     assert told["depth_mm"].tolist() == [0.02, 0.0]
     assert told["driving_torque_n_m"] == pytest.approx([1.5, -0.5])

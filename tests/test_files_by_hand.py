@@ -194,7 +194,11 @@ def test_charts_of_teeth_under_load_are_in_the_units_of_their_axes() -> None:
     loaded = Made(
         driving_torque_n_mm=np.array([5e3, -2e3]), tooth_force_n=np.array([9.0, 8.0]), error_rad=np.array([3e-6, 0.0])
     )
-    drive: Any = Made(loaded_contact=loaded, motion=Made(phi1_rad=np.array([0.0, pi])))
+    drive: Any = Made(
+        by_stage=[Made(loaded_contact=loaded)],
+        motion=Made(phi1_rad=np.array([0.0, pi])),
+        loaded_error_at=lambda _phi1: loaded.error_rad,
+    )
     torque, force, ahead = simulated.teeth_under_load(drive, np.array([4.0, -3.0]))
     assert [line.values.tolist() for line in torque.lines] == [[5.0, -2.0], [4.0, -3.0]]
     assert torque.lines[0].x == pytest.approx([0.0, 180.0])
