@@ -24,7 +24,7 @@ from ncgear.design.reading.design_file import parsed
 from ncgear.design.rewritten import rewritten
 from ncgear.design.words import LONGEST_DESCRIPTION, ending_in
 from ncgear.errors import DesignError, NoSuchMechanism, Unanswered, WrongInput
-from ncgear.figures.mended import SUFFIX, mended_design, tried_words
+from ncgear.figures.mended import SUFFIX, mended_design, mended_words, tried_words
 from ncgear.project.drive import Drive
 from ncgear.project.mending import Mend, Mending, MendingSubject, MendingWay, mending, refusal_of_teeth, ways
 from ncgear.teeth.form import BasicRack
@@ -509,3 +509,32 @@ def test_backlash_that_is_not_the_cause_is_not_blamed() -> None:
     assert [way.changes for way in search.failed if MendingSubject.BACKLASH in way.kinds] == [
         {"gears.backlash_mm": 0.005}
     ]
+
+
+# --- a profile shift that makes teeth impossible
+
+
+@pytest.mark.slow
+def test_a_shift_that_is_the_cause_is_named() -> None:
+    """Both gears' tips end at the mates' fillets; the same gears without a shift can be made."""
+    shift = {"driving": 0.6, "driven": 0.6}
+    data = data_of({"law": "ellipse", "eccentricity": 0.05}, 40, profile_shift=shift)
+    search = mending(drive_of(data))
+    assert search is not None
+    assert search.found is not None
+    assert search.found.way.changes == {"gears.profile_shift": None}
+    assert search.refusal.key == "gears.profile_shift"
+    assert search.refusal.problem.startswith("without this shift the teeth can be made: ")
+    said, _ = mended_words(search, search.found)
+    assert "refused, but those without gears.profile_shift (contact ratio" in said
+    del data["gears"]["profile_shift"]
+    assert refusal_of_teeth(drive_of(data)) is None
+
+
+@pytest.mark.slow
+def test_a_shift_that_is_not_the_cause_is_not_blamed() -> None:
+    data = data_of({"law": "ellipse", "eccentricity": 0.2}, 8, profile_shift={"driving": 0.1})
+    search = mending(drive_of(data))
+    assert search is not None
+    assert search.refusal.key != "gears.profile_shift"
+    assert search.failed[0] == MendingWay((MendingSubject.UNSHIFTED,), {"gears.profile_shift": None})

@@ -10,7 +10,7 @@ from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.design.rewritten import told_copy
 from ncgear.design.words import listed
 from ncgear.errors import DesignError
-from ncgear.figures.advice.values import changed, in_file
+from ncgear.figures.advice.values import Change, changed, in_file
 from ncgear.figures.numbers import to_digits
 from ncgear.figures.tables import WIDTH
 from ncgear.figures.terminal import INDENT
@@ -49,7 +49,8 @@ def _fewer_words(mending: Mending, found: Mend) -> str:
 def mended_words(mending: Mending, found: Mend) -> tuple[str, ...]:
     """What a command says that has taken a change, sentence by sentence."""
     return (
-        f"Mended: these are not the gears of the file, whose teeth are refused, but those with {found_words(found)}.",
+        "Mended: these are not the gears of the file, whose teeth are refused, but those "
+        f"{_with_changes(found)} {_figures_words(found)}.",
         f"Refused: {mending.refusal.problem}",
     )
 
@@ -61,13 +62,24 @@ def in_lines(said: Sequence[str]) -> str:
 
 def found_words(found: Mend) -> str:
     """A change and its figures."""
+    return f"{listed(map(str, _in_file(found)), 'and')} {_figures_words(found)}"
+
+
+def _figures_words(found: Mend) -> str:
     ratio, angle = to_digits(found.contact_ratio, 3), to_digits(found.pressure_angle_deg, 3)
-    return f"{changes_words(found)} (contact ratio {ratio}, pressure angle {angle} deg)"
+    return f"(contact ratio {ratio}, pressure angle {angle} deg)"
 
 
-def changes_words(found: Mend) -> str:
-    """The keys of a change, as the file has them, and their values."""
-    return listed(map(str, in_file(found.drive.design, changed(found.way.changes))), "and")
+def _in_file(found: Mend) -> tuple[Change, ...]:
+    return in_file(found.drive.design, changed(found.way.changes))
+
+
+def _with_changes(found: Mend) -> str:
+    """The keys that a change gives, with their values, and those that it leaves out, after a noun."""
+    changes = _in_file(found)
+    given = listed((str(one) for one in changes if one.value is not None), "and")
+    out = listed((one.key for one in changes if one.value is None), "and")
+    return " and ".join(f"{word} {keys}" for word, keys in (("with", given), ("without", out)) if keys)
 
 
 def tried_words(ways: Sequence[MendingWay]) -> str:
@@ -88,6 +100,8 @@ def _words(kind: MendingSubject, alike: Sequence[MendingWay]) -> str:
             return f"a root radius of {values(ROOT_RADIUS)}"
         case MendingSubject.BACKLASH:
             return f"a backlash of {values(BACKLASH[0]) or values(BACKLASH[1])}"
+        case MendingSubject.UNSHIFTED:
+            return "no profile shift"
         case MendingSubject.MATE:
             return "the mate as tool"
         case MendingSubject.STEEPER | MendingSubject.STEEPEST:
@@ -104,5 +118,5 @@ def _words(kind: MendingSubject, alike: Sequence[MendingWay]) -> str:
 
 def mended_design(loaded: LoadedDesign, found: Mend) -> str:
     """The text of a design file with a change, its name and description saying so; its comments stay."""
-    said = f"Mended: {loaded.design.name} with {changes_words(found)}, without which its teeth are refused."
+    said = f"Mended: {loaded.design.name} {_with_changes(found)}, a change without which its teeth are refused."
     return told_copy(loaded, SUFFIX, said, found.way.changes)

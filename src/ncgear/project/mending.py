@@ -46,12 +46,15 @@ ROOT_RADIUS = "gears.rack.root_radius"
 
 BACKLASH = ("gears.backlash_mm", "gears.backlash_deg")
 
+SHIFT = "gears.profile_shift"
+
 
 class MendingSubject(StrEnum):
     """Subjects of a change."""
 
     ROOT_RADIUS = "root_radius"
     BACKLASH = "backlash"
+    UNSHIFTED = "unshifted"
     MATE = "mate"
     STEEPER = "steeper"
     STEEPEST = "steepest"
@@ -62,6 +65,7 @@ class MendingSubject(StrEnum):
 
 ORDER = (
     (MendingSubject.ROOT_RADIUS,),
+    (MendingSubject.UNSHIFTED,),
     (MendingSubject.MATE,),
     (MendingSubject.STEEPER,),
     (MendingSubject.SHIFTED,),
@@ -213,7 +217,10 @@ def searched(
     found = found or trials.fewest()
     found = found or next((mend for equals in every[len(kept) :] if (mend := trials.best(equals))), None)
     if found is not None and found.way.kinds == (MendingSubject.BACKLASH,):
-        refusal = _of_backlash(drive, refusal)
+        key, given = _given_backlash(drive)
+        refusal = _caused_by(key, f"{given:g} {key.rpartition('_')[2]} is too much", drive, refusal)
+    if found is not None and found.way.kinds == (MendingSubject.UNSHIFTED,):
+        refusal = _caused_by(SHIFT, "without this shift the teeth can be made", drive, refusal)
     return Mending(refusal, tuple(trials.failed), found, trials.is_whole)
 
 
@@ -223,12 +230,11 @@ def _given_backlash(drive: Drive) -> tuple[str, float]:
     return next(((key, value) for key, value in given if value), ("", 0.0))
 
 
-def _of_backlash(drive: Drive, refusal: DesignError) -> DesignError:
-    """The error with the key of the backlash that is too large."""
-    key, given = _given_backlash(drive)
-    error = refusal.saying(f"{given:g} {key.rpartition('_')[2]} is too much: {refusal.problem}", key)
-    if refusal.key in BACKLASH:
-        return refusal
+def _caused_by(key: str, said: str, drive: Drive, refusal: DesignError) -> DesignError:
+    """The refusal at the given value that causes it, with words about this value in front."""
+    error = refusal.saying(f"{said}: {refusal.problem}", key)
+    if refusal.key == key:
+        return error
     with suppress(DesignError), located(drive.places):
         raise error
     return error
@@ -356,6 +362,8 @@ def _options(drive: Drive, kind: MendingSubject, *, alone: bool) -> list[alterna
         case MendingSubject.BACKLASH:
             # The right amount is searched later
             return []
+        case MendingSubject.UNSHIFTED:
+            return [{SHIFT: None}] if gears.profile_shift.model_fields_set else []
         case MendingSubject.MATE:
             return _mate(drive)
         case MendingSubject.STEEPER:
