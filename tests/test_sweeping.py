@@ -204,6 +204,28 @@ def test_what_is_gathered_in_parts_is_that_of_the_whole() -> None:
     ]
 
 
+def test_refusals_that_differ_in_their_numbers_only_are_one() -> None:
+    """A limit in the words tells two refusals of a key apart; an angle of 0 is told without degrees."""
+    said = [
+        "e: -0.5 given; 0 or over is needed",
+        "e: 1.1 given; under 1 is needed",
+        "law: it stops at phi1 = 0, there",
+        "e: -1e-05 given; 0 or over is needed",
+        "law: it stops at phi1 = 5.3 rad (306.5 deg), there",
+        "law: it jumps at phi1 = 5.3 rad (306.5 deg), there",
+    ]
+    found = Designs(np.arange(6), {"a": np.arange(6.0)}, {}, np.array(said))
+    overview = no_overview(Space((Listed("a", (0.0, 1.0)),), 6), Wanted((), ()))
+    for rows in (slice(3), slice(3, 6)):
+        overview = overview.with_part(found.at(rows))
+    assert {one.verdict: (one.count, one.values["a"]) for one in overview.frequent_refusals} == {
+        said[0]: (2, 0.0),
+        said[1]: (1, 1.0),
+        said[2]: (2, 2.0),
+        said[5]: (1, 5.0),
+    }
+
+
 @pytest.mark.thorough
 def test_rank_correlations_are_those_of_scipy() -> None:
     from scipy.stats import spearmanr

@@ -19,9 +19,6 @@ from ncgear.screening.overview import Overview, rank_correlations
 from ncgear.screening.single import WITH_MASSES
 from ncgear.screening.wanted import Constraint, Wanted
 
-REFUSALS = 5
-"""Problems that are told, the most frequent first."""
-
 
 def head_of(name: str) -> str:
     """``peak power, W``: a figure's name and the unit in which its cells are."""
@@ -184,8 +181,8 @@ def swept_answer(design: Design, screened: Overview, deeper: Overview | None, st
     unknown = ROOM not in limits and is_row(design)
     warned = [_warned(last, name) for name in limits if not _keeps(last, name).all()]
     refused = [
-        Fault(f"{one.count} {'design' if one.count == 1 else 'designs'}: {one.verdict}")
-        for one in last.frequent_refusals[:REFUSALS]
+        Fault(f"{one.count} designs, the first: {one.verdict}" if one.count > 1 else f"1 design: {one.verdict}")
+        for one in last.frequent_refusals
     ]
     return Answer(
         head,

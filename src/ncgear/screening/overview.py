@@ -6,7 +6,6 @@ not matter, since they are gathered in the order of their numbers.
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
@@ -35,7 +34,7 @@ BINS = 10
 
 @dataclass(frozen=True)
 class Refusal:
-    """A problem that ``count`` designs share up to its first number; the first of them, and its verdict."""
+    """A problem that ``count`` designs share apart from its numbers; the first of them, and its verdict."""
 
     count: int
     values: dict[str, float]
@@ -218,8 +217,16 @@ def _best(designs: Designs, wanted: Wanted, place: int) -> Designs:
     return designs.at(order[:BEST])
 
 
+NUMBERS = b"0123456789.-+e"
+"""The characters of which numbers consist; without them, verdicts are the same where only their numbers differ."""
+
+ANGLE = b" rad ( dg)"
+"""What is left of an angle, which is told in rad and in degrees, or as 0 alone."""
+
+
 def _refusals(known: dict[str, Refusal], refused: Designs) -> tuple[tuple[str, Refusal], ...]:
-    problems = [re.split(r"-?\d", verdict, maxsplit=1)[0] for verdict in refused.verdicts.tolist()]
+    verdicts = "\0".join(refused.verdicts.tolist()).encode()
+    problems = verdicts.translate(None, NUMBERS).replace(ANGLE, b"").decode().split("\0")[: len(refused.numbers)]
     for problem, count in Counter(problems).items():
         one = known.get(problem)
         if one is None:
