@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from at_once import at_once
 from ncgear.cli import progress
 from ncgear.files.build import WRITTEN_STEPS, build, contacts_as_written, step_count
 from ncgear.project.moving import left_words
@@ -159,3 +160,26 @@ def test_work_goes_on_where_nobody_reads(monkeypatch: pytest.MonkeyPatch) -> Non
     with progress.steps_shown(1) as on_step:
         on_step("teeth")
         assert tried.wait(5.0)
+
+
+@at_once(
+    ("folder", "done", "told"),
+    [
+        (Path("out"), 3, "3 of 9 points are kept in out: the same command goes on from there\n"),
+        (Path("out"), 0, ""),
+        (None, 3, ""),
+    ],
+)
+def test_interrupted_work_says_what_is_kept_and_how_it_goes_on(
+    capsys: pytest.CaptureFixture[str], folder: Path | None, done: int, told: str
+) -> None:
+    """Nothing is said where nothing is kept."""
+
+    def interrupted() -> None:
+        with progress.counted("points", folder) as count:
+            count(done, 9)
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert capsys.readouterr().err == told

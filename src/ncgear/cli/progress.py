@@ -5,11 +5,15 @@ from __future__ import annotations
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from time import monotonic
 from typing import TYPE_CHECKING, Protocol
 
+from ncgear.interrupts import uninterrupted
+
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from rich.progress import Progress
 
 SILENT_SECONDS = 1.0
@@ -33,10 +37,27 @@ class ProgressDisplay(Protocol):
 
 
 @contextmanager
-def counted(what: str) -> Iterator[Callable[[int, int], None]]:
-    """A context with a function to call with the numbers done and in all; ``what`` is the text before the bar."""
-    with _shown(what) as shown:
-        yield lambda done, total: shown.update(what, done, total)
+def counted(what: str, folder: Path | None = None) -> Iterator[Callable[[int, int], None]]:
+    """A context with a function to call with the numbers done and in all; ``what`` is the text before the bar.
+
+    Where the work is interrupted whose results ``folder`` keeps, a line on stderr tells how it goes on.
+    """
+    now = 0, 0
+
+    def count(done: int, total: int) -> None:
+        nonlocal now
+        now = done, total
+        shown.update(what, done, total)
+
+    try:
+        with _shown(what) as shown:
+            yield count
+    except KeyboardInterrupt:
+        if folder is not None and now[0]:
+            told = f"{now[0]} of {now[1]} {what} are kept in {folder}: the same command goes on from there"
+            with uninterrupted(), suppress(OSError, ValueError):
+                print(told, file=sys.stderr, flush=True)
+        raise
 
 
 class Steps:

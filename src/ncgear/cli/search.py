@@ -119,7 +119,7 @@ def frontier(
             told = flywheel_answer(over, loaded.design)
             arguments.tell(told, flywheel_figures(over, loaded.design), as_json=as_json, verbose=verbose, run=run)
             return
-        with counted("points") as on_point:
+        with counted("points", folder) as on_point:
             found = frontier_of(loaded.design, points, folder, on_point, scheduler, processes)
         beside = GearsAsGiven(loaded.design)
         run = publish_run(folder, frontier_files(found, beside), "frontier")

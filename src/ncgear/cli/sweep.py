@@ -104,7 +104,7 @@ def sweep(
         with _about_options(design_file):
             constraints = tuple(constraint_of(text, names) for text in keep_if or ())
             wanted = Wanted(constraints, objectives_of(objective or (), names))
-        with counted("designs") as on_done:
+        with counted("designs", folder) as on_done:
             found = swept(loaded, order, screening, wanted, folder, on_done, scheduler, processes)
 
         from ncgear.files.sweep import first_best, sweep_files
