@@ -341,7 +341,18 @@ def test_a_key_in_closed_form() -> None:
     assert found.pressure_mpa == pytest.approx(2e5 / 6600.0, rel=1e-14)
     assert found.safety == pytest.approx(270.0 / found.pressure_mpa, rel=1e-14)
     assert not found.both_senses
-    assert key_safety(ShaftKey(40.0, 3.3, 50.0, 300.0, 50.0), 1e5, -1.0).both_senses
+
+
+def test_a_hundredth_of_the_torque_in_the_other_sense_swells_and_counts_in_full() -> None:
+    """Of 100 N m, 0.9 N m against them are borne like 100.9 N m; 1.1 N m let the key work in its way."""
+    key = ShaftKey(40.0, 3.3, 50.0, 300.0, 50.0)
+    for most, least in ((1e5, -900.0), (900.0, -1e5)):
+        found = key_safety(key, most, least)
+        assert not found.both_senses
+        assert found.pressure_mpa == pytest.approx(2.0 * 100_900.0 / 6600.0, rel=1e-14)
+    for most, least in ((1e5, -1100.0), (1100.0, -1e5)):
+        assert key_safety(key, most, least).both_senses
+    assert not key_safety(key, 0.0, 0.0).both_senses
 
 
 # Losses

@@ -290,7 +290,9 @@ def test_the_shipped_machine_of_two_pairs_holds() -> None:
     made, carton = drive("crate-pusher"), drive("pusher")
     power_w = made.check.peak_power_resistance_w.value
     assert power_w == pytest.approx(10.0 * carton.check.peak_power_w.value, rel=1e-9)
-    assert not judged(made, KnownParts.TEETH).warnings
+    verdict = judged(made, KnownParts.TEETH)
+    assert not verdict.warnings
+    assert "drivetrain" not in verdict.not_judged
     for pair, mesh in zip(made.by_stage, (*made.rigid.peaks.meshes_before, made.rigid.peaks.mesh), strict=True):
         assert mesh is not None
         assert min(one.share for one in rating_of(pair).weakest) > 1.1
