@@ -307,8 +307,11 @@ def loads(text: str, name: str = "text") -> Drive:
     return Drive(loaded.design, loaded=loaded)
 
 
-BODY = ("face_width_mm", "material", "lead", "driving", "driven")
-"""Keys that change nothing of straight teeth in the plane across the axes; the first three leave bodies there, too."""
+ALONG = ("face_width_mm", "material", "lead")
+"""Keys that change nothing of straight teeth and of bodies in the plane across the axes."""
+
+BODY = (*ALONG, "driving", "driven")
+"""Keys that change nothing of straight teeth there."""
 
 SAME_TEETH = ("pitch", "rack", "play", "tooth_form", "teeth", "free_contact")
 """Attributes of a drive that do not change with these keys, nor with lengths of the mechanism that the law does not
@@ -340,7 +343,7 @@ def _in_common(one: Design, other: Design) -> tuple[str, ...]:
     before, after = one.gears, other.gears
     if before is None or after is None:
         return law
-    teeth, bodies = ({name: getattr(before, name) for name in names} for names in (BODY, BODY[:3]))
+    teeth, bodies = ({name: getattr(before, name) for name in names} for names in (BODY, ALONG))
     if before.helix is None and one.output == other.output and after.model_copy(update=teeth) == before:
         extremes = ("_free_extremes",) if one.operation == other.operation else ()
         rims = ("rims",) if same_linkage and after.model_copy(update=bodies) == before else ()
