@@ -15,11 +15,12 @@ from scipy.optimize import brentq
 
 from at_once import at_once
 from ncgear.dynamics.crank_load import reduced_inertia
-from ncgear.dynamics.driving_shaft import DrivingShaft, Fluctuation, fluctuation
+from ncgear.dynamics.driving_shaft import DrivingShaft, Fluctuation, counting_masses, fluctuation
 from ncgear.dynamics.loaded_machine import Loads, RigidMachine
 from ncgear.dynamics.mesh_force import MeshPlace
 from ncgear.dynamics.rigid import Rigid, load_peaks, rigid_level
 from ncgear.errors import NoSuchMechanism
+from ncgear.kinematics.check import kinematic_check
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.forces import CrankPace, RodMasses
@@ -162,6 +163,18 @@ def test_work_of_the_driving_torque_is_that_of_the_resistance(name: str) -> None
     linkage = machine(name, 50.0).linkage
     work = float(PRESS.working.work_n_mm(np.array([linkage.stroke_mm]), linkage.stroke_mm)[0])
     assert swing(name).work_n_mm == pytest.approx(work, rel=1e-12)
+
+
+def test_the_mean_power_is_that_of_the_resistance_with_any_inertia() -> None:
+    """Of 1e10 kg m2 the mean is lost in the torque's rounding errors; a guide that rubs takes more of any machine."""
+    made = machine("stroke, e = 0", RPM)
+    alone = kinematic_check(made)
+    for rubs, inertia_kg_mm2 in ((0.0, 1e16), (0.0, 1e4), (0.1, 1e4)):
+        rigid = RigidMachine(made, replace(HEAVY, driven_inertia_kg_mm2=inertia_kg_mm2), guide_friction=rubs)
+        found = counting_masses(alone, DrivingShaft(rigid))
+        assert found.mean_power_w > 0.0
+        assert (found.mean_power_w == pytest.approx(alone.mean_power_w, rel=1e-12)) is not bool(rubs)
+        assert (found.mean_power_w > 1.001 * alone.mean_power_w) is bool(rubs)
 
 
 @pytest.mark.parametrize("name", ["uniform", "stroke, e = 0", "ellipse 1:2"])

@@ -174,11 +174,16 @@ def counted(torque: Array | float, least: Array | float, most: Array | float) ->
 
 
 def counting_masses(check: KinematicCheck, shaft: DrivingShaft) -> KinematicCheck:
-    """A check of the same machine with the power that its masses, and friction in its guide, ask for as well."""
+    """A check of the same machine with the power that its masses, and friction in its guide, ask for as well.
+
+    Over a cycle masses return all that they take, so that the mean is that of the resistance, however large they are.
+    """
+    rigid = shaft.machine
+    returned = rigid.machine.transmission.lobes.repeats and not rigid.guide_friction
     return replace(
         check,
         peak_power_w=shaft.peak_power_w,
-        mean_power_w=shaft.mean_power_w,
+        mean_power_w=check.mean_power_w if returned else shaft.mean_power_w,
         extremes_rad=(*check.extremes_rad, *(end.at for end in shaft.torque_range_n_mm)),
         with_masses=WithMasses(
             peak_power_resistance_w=check.peak_power_w,

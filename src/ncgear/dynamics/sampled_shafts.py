@@ -68,7 +68,7 @@ def crank_table(linkage: Mechanism, masses: Masses) -> CrankTable:
 
 
 def torque_figures(torque: Functions, turning: Array, there: Mask, speed_rad_s: Array) -> dict[str, Array]:
-    """The figures of power of ``kinematics.check`` by their keys, shape (n,) each, from torques in N mm.
+    """The figures of power of ``kinematics.check`` but the mean by their keys, shape (n,) each, from torques in N mm.
 
     ``turning`` is the driving angle per share of a piece, of the torques' shape; ``there`` (shape (p, n)) marks the
     pieces that count.
@@ -85,5 +85,4 @@ def torque_figures(torque: Functions, turning: Array, there: Mask, speed_rad_s: 
         "braking_power_w": counted(np.maximum(least, 0.0), -least, most) * watts,
         "rms_torque_n_m": np.sqrt(square) * N_M_PER_N_MM,
         "energy_swing_j": counted(full + empty, -least, most) * N_M_PER_N_MM,
-        "mean_power_w": counted(mean, -least, most) * watts,
     }

@@ -127,7 +127,7 @@ def _loads(rigid: Rigid, check: KinematicCheck, coefficient: float) -> dict[str,
     return {
         **extreme("peak_driving_torque", "n_m", most, N_M_PER_N_MM),
         **extreme("least_driving_torque", "n_m", least, N_M_PER_N_MM),
-        "mean_driving_torque_n_m": N_M_PER_N_MM * swing.mean_torque_n_mm,
+        "mean_driving_torque_n_m": check.mean_power_w / swing.speed_rad_s,
         **power_figures(check),
         "flank_changes_deg": [degrees(angle) for angle in swing.flank_changes_rad],
         "speed_fluctuation": coefficient,

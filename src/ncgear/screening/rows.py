@@ -292,15 +292,14 @@ def _check_figures(batch: Batch, measured: dict[str, Array]) -> dict[str, Array]
     stroke_mm = measured["stroke_mm"]
     kind, speed_rad_s = batch.kind, batch.column("operation.speed_rpm") * RAD_S_PER_RPM
     resisted = np.maximum(measured["power"], 0.0) * speed_rad_s / 1000.0
-    if kind.masses is None:
-        cycle = kind.lobes.driven * kind.lobes.driving_period_rad
-        work = kind.resistance.work_n_mm(stroke_mm, float(stroke_mm.max())) / 1000.0
-        power = {"check.peak_power_w": resisted, "check.mean_power_w": work * speed_rad_s / cycle}
-    else:
+    power = {"check.peak_power_w": resisted}
+    if kind.masses is not None:
         with_masses = {name: values for name, values in measured.items() if name.startswith("check.")}
         power = {**with_masses, "check.peak_power_resistance_w": resisted}
+    work = kind.resistance.work_n_mm(stroke_mm, float(stroke_mm.max())) / 1000.0
     return {
         **power,
+        "check.mean_power_w": work * speed_rad_s / (kind.lobes.driven * kind.lobes.driving_period_rad),
         "check.peak_speed_mm_s": measured["velocity"] * speed_rad_s,
         "check.peak_acceleration_working_mm_s2": measured["working_acceleration"] * speed_rad_s**2,
         "check.peak_acceleration_cycle_mm_s2": measured["acceleration"] * speed_rad_s**2,
