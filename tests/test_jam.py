@@ -226,7 +226,9 @@ def test_shafts_keys_bearings_and_joints_tell_which_load_decides(
                 assert decides == "jam" or load == decides
             else:
                 assert (part, load) == (part, decides)
-    assert {load for _, load in deciding_forces(one).values()} == {decides}
+    forces = deciding_forces(one)
+    assert {load for _, load in forces.values()} == {decides}
+    assert forces["peak_mesh_force_n"][0] == pytest.approx(2.0 * max(halves.values()))
 
 
 @pytest.mark.slow

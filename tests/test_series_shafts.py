@@ -30,6 +30,7 @@ from ncgear.drivetrain.peaks import shaft_peaks
 from ncgear.errors import WrongInput
 from ncgear.figures.advice.drivetrain_advice import around
 from ncgear.figures.advice.verdict import KnownParts, judged
+from ncgear.figures.strong import deciding_forces
 from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
 from ncgear.project.face_load import seats_of
@@ -293,6 +294,7 @@ def test_the_shipped_machine_of_two_pairs_holds() -> None:
     verdict = judged(made, KnownParts.TEETH)
     assert not verdict.warnings
     assert "drivetrain" not in verdict.not_judged
+    assert {"peak_mesh_force_n", "peak_first_mesh_force_n"} <= set(deciding_forces(made))
     for pair, mesh in zip(made.by_stage, (*made.rigid.peaks.meshes_before, made.rigid.peaks.mesh), strict=True):
         assert mesh is not None
         assert min(one.share for one in rating_of(pair).weakest) > 1.1

@@ -136,7 +136,7 @@ def decided_words(found: Mapping[str, Load], parts: str) -> str:
 
 
 def deciding_forces(drive: Drive) -> dict[str, tuple[float, Load]]:
-    """The largest forces in joints and bearings of law, knocks and jam, by their keys, each with its load.
+    """The largest forces of meshes, joints and bearings of law, knocks and jam, by their keys, each with its load.
 
     Empty where there are neither knocks nor a jam, and without masses, where the forces of the law are not known.
     """
@@ -148,7 +148,7 @@ def deciding_forces(drive: Drive) -> dict[str, tuple[float, Load]]:
     sizes = {
         key: {load: float(of[key]) for load, of in found.items()}
         for key in found["law"]
-        if key.endswith("_force_n") and key not in ("peak_mesh_force_n", SAME_AS_MESH)
+        if key.endswith("_force_n") and key != SAME_AS_MESH
     }
     return {key: (max(of.values()), deciding(of)) for key, of in sizes.items()}
 
