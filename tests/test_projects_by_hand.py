@@ -252,7 +252,8 @@ def safety(of: float, wanted: float = 2.0) -> Any:
     ("safeties", "reason", "holds", "weak"),
     [
         ([2.1, 3.0], "", True, []),
-        ([1.9, 1.5], "", False, [1.5, 1.9]),
+        ([1.69, 1.5], "", False, [1.5, 1.69]),
+        ([1.9, 1.71], "", False, []),
         ([1.9, 3.0], "it needs the teeth", False, []),
         ([0.9, 0.7], "it needs the teeth", False, [0.7]),
         ([3.1, 3.5], OF_A_RING, True, []),
@@ -262,11 +263,12 @@ def safety(of: float, wanted: float = 2.0) -> Any:
 def test_teeth_hold_by_the_rough_safety_alone_where_no_reason_is_left(
     safeties: list[float], reason: str, holds: bool, weak: list[float]
 ) -> None:
-    """What needs the teeth is too weak below four tenths of what is wanted; a ring holds by half as much more."""
+    """What needs the teeth is too weak below four tenths of what is wanted, what does not below 0.85; a ring holds by
+    half as much more."""
     found = RoughStrength(tuple(map(safety, safeties)), needs_teeth=reason)
     assert found.holds is holds
     assert [one.safety for one in found.weak] == weak
-    assert found.share(found.safeties[0]) == pytest.approx(safeties[0] / (2.0 * (0.4 if reason else 1.0)))
+    assert found.share(found.safeties[0]) == pytest.approx(safeties[0] / (2.0 * (0.4 if reason else 0.85)))
 
 
 @pytest.mark.judges("project")

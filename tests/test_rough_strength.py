@@ -412,6 +412,22 @@ def test_twice_the_load_leaves_half_the_safety_or_a_little_more() -> None:
     assert least(one, Damage.CONTACT).safety == pytest.approx(2**0.5 * least(two, Damage.CONTACT).safety, rel=0.05)
 
 
+@pytest.mark.slow
+def test_what_is_too_near_to_tell_without_teeth_is_not_judged_and_points_to_the_rating() -> None:
+    """Pressures grow with the root of the load; a tenth under the wanted safety may hold, a fifth does not."""
+    given = least(rough_strength(drive_of_text(TEXT)), Damage.CONTACT).safety
+    warned, near = (
+        strength_advice.rough(drive_of_text(TEXT.replace("1500", f"{1500.0 * (given / safety) ** 2:.6g}")))
+        for safety in (0.8, 0.93)
+    )
+    assert isinstance(warned, Advice)
+    assert isinstance(near, NotJudged)
+    assert near.why.startswith("a safety of about 0.9")
+    assert near.why.endswith(
+        "against pitting, 1 wanted, is too near for an estimate without teeth: ncgear strength tells"
+    )
+
+
 @pytest.mark.parametrize("name", ["ellipse", "helical-ellipse", "internal-1-2"])
 def test_nothing_is_said_where_no_load_is_known(name: str) -> None:
     assert rough_strength(drive(name)) is None

@@ -71,20 +71,25 @@ class RoughStrength:
 
     def share(self, one: RoughSafety) -> float:
         """A safety over the safety below which teeth certainly do not hold."""
-        return one.safety / (one.wanted * (0.4 if self.needs_teeth_for(one) else 1.0))
+        return one.safety / (one.wanted * (0.4 if self.needs_teeth_for(one) else CERTAINLY))
 
     @property
     def holds(self) -> bool:
         """Whether no tooth is found too weak and no reason is left to look at the teeth; rings hold by RINGS_HOLD."""
         reasons = {self.needs_teeth, self.jam_needs_teeth} - {""}
         by_ring = all(one.safety >= RINGS_HOLD * one.wanted for one in self.safeties)
-        return not (self.weak or self.unjudged) and (not reasons or (reasons == {OF_A_RING} and by_ring))
+        enough = all(one.safety >= one.wanted for one in self.safeties)
+        return enough and not (self.weak or self.unjudged) and (not reasons or (reasons == {OF_A_RING} and by_ring))
 
     @property
     def weak(self) -> list[RoughSafety]:
         """The safeties of teeth that do not hold, the weakest first."""
         return sorted((one for one in self.safeties if self.share(one) < 1.0), key=self.share)
 
+
+CERTAINLY = 0.85
+"""Share of the wanted safety under which teeth do not hold: rough safeties are 0.86 to 1.14 of those by the teeth, of
+helical teeth 0.83 to 1.04 (docs/method.md), so that teeth between this share and the wanted safety may hold."""
 
 RINGS_HOLD = 1.5
 """Ratio to the wanted safety from which a pinion and its ring hold without being looked at tooth by tooth: rough

@@ -194,7 +194,15 @@ def _not_judged(drive: Drive, found: RoughStrength) -> NotJudged | None:
         near = "very roughly" if found.needs_teeth else "about"
         told = f"a safety of {near} {to_digits(least.safety, 2)} against {rough_damage(found, least)}"
         return NotJudged(f"{found.unjudged}; all that is known is {told}, {least.wanted:g} wanted")
-    return NotJudged(found.needs_teeth or found.jam_needs_teeth) if not found.holds else None
+    if found.holds:
+        return None
+    reason = found.needs_teeth or found.jam_needs_teeth
+    if reason or least is None:
+        return NotJudged(reason)
+    about = f"a safety of about {_under(least.safety, least.wanted)} against {rough_damage(found, least)}"
+    return NotJudged(
+        f"{about}, {least.wanted:g} wanted, is too near for an estimate without teeth: ncgear strength tells"
+    )
 
 
 TOGETHER = Remedy("make teeth larger and gears wider together, or reduce their load")
@@ -207,7 +215,7 @@ that is told roughly is larger by what this takes."""
 
 def _rough_remedies(drive: Drive, found: RoughStrength) -> tuple[Remedy, ...]:
     """Sizes by how stresses scale; `ncgear size` finds no sizes for teeth whose strength is not computed."""
-    short = [(one, SAFE_SIDE * one.wanted / one.safety) for one in found.weak]
+    short = [(one, SAFE_SIDE * one.wanted / one.safety) for one in found.safeties if one.safety < one.wanted]
     wider = max(times ** (1.0 if one.damage is Damage.BENDING else 2.0) for one, times in short)
     larger = max(times ** (0.5 if one.damage is Damage.BENDING else 1.0) for one, times in short)
     sizes = tuple(replace(one, search=None) for one in _sizes(drive, wider, larger))
