@@ -102,3 +102,14 @@ def test_what_stands_around_the_gears_is_told_by_its_shortest_life_and_least_saf
     assert "bearings last 5000 h" in told["drivetrain"].replace(",", "")
     assert "shaft safety 1.75" in told["drivetrain"]
     assert "motor at 0.456 of its torque" in told["drivetrain"]
+
+
+def test_gears_around_which_all_holds_come_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each group keeps its order."""
+    from ncgear.figures.answers import strong
+
+    monkeypatch.setattr(strong, "parts_that_fail", lambda one: one.failing)
+    sizes: Any = [
+        Made(name=name, failing=failing) for name, failing in zip("abcd", (["key"], [], ["key"], []), strict=True)
+    ]
+    assert [one.name for one in strong.in_order(sizes)] == ["b", "d", "a", "c"]

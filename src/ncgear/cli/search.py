@@ -210,7 +210,7 @@ def size(
         if out is not None:
             prepare_file(out)
 
-        from ncgear.figures.answers.strong import sized_answer, sized_design, sized_figures
+        from ncgear.figures.answers.strong import in_order, sized_answer, sized_design, sized_figures
         from ncgear.files.manifest import Run, publish_named
         from ncgear.project.drive import Drive
         from ncgear.project.sizing import GearRoom, asked_design, in_herringbone, smallest_gears, stated_inertias
@@ -223,7 +223,7 @@ def size(
         asked = {key: value for key, value in options.items() if value is not None}
         drive = Drive(asked_design(loaded.design, asked))
         with naming_what_helps(loaded, drive, BUILD), counted("gears computed") as on_trial:
-            found = smallest_gears(drive, GearRoom(space or inf, diameter or inf, width), on_trial)
+            found = in_order(smallest_gears(drive, GearRoom(space or inf, diameter or inf, width), on_trial))
             also = in_herringbone(found[0]) if herringbone else None
         option, what = ("--herringbone ", "herringbone teeth") if also else ("", "the first")
         run, then = (

@@ -135,12 +135,13 @@ def sized_answer(
     left_out: Sequence[str] = (),
     herringbone: Sized | Literal["none", False] = False,
 ) -> Answer:
-    """The smallest gears that hold, one row each, and the keys of the first.
+    """The smallest gears that hold, one row each, as ``in_order`` puts them, and the keys of the first.
 
     ``left_out`` are the keys of the file that hold what follows from its own gears; ``herringbone`` are the first gears
     with herringbone teeth, where these were looked for.
     """
     first = found[0]
+    smaller = any(one.volume_mm3 < first.volume_mm3 for one in found)
     design, strength, lead = first.drive.design, first.rating.strength, first.drive.told_face_load_by("estimate")
     wanted = dict.fromkeys(f"{one.wanted:g} against {one.damage.words}" for one in first.rating.weakest)
     failing = dict[Advice, list[str]]()
@@ -158,6 +159,11 @@ def sized_answer(
             Row("material", (strong.materials_words(first.drive, strength),)),
             Row("wanted", (f"safeties of {listed(wanted, 'and')}",)),
             Row("first", (", ".join(map(str, in_file(design, changed(first.changes)))),)),
+            *(
+                [Row("order", ("what stands around smaller gears does not hold, so they come last",))]
+                if smaller
+                else []
+            ),
             *([Row("lead", (strong.better_lead_words(lead),))] if lead else []),
             *([Row("helix", (helix,))] if (helix := _helical_words(first, herringbone)) else []),
             *([Row("left out", (f"{listed(left_out, 'and')}: of other gears",))] if left_out else []),
@@ -250,8 +256,13 @@ def parts_that_fail(one: Sized) -> list[Advice]:
     return [told for told in around(one.drive) if isinstance(told, Advice) and told.matters]
 
 
+def in_order(found: Sequence[Sized]) -> list[Sized]:
+    """The smallest gears first around which all holds, then the others, each in their order."""
+    return sorted(found, key=lambda one: bool(parts_that_fail(one)))
+
+
 def sized_figures(found: Sequence[Sized], herringbone: Sized | None = None) -> dict[str, Any]:
-    """The smallest gears that hold as plain values whose keys end in their unit, the smallest first.
+    """The smallest gears that hold as plain values whose keys end in their unit, in their order.
 
     Then those with herringbone teeth, if there are any.
     """
