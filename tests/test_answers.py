@@ -203,6 +203,16 @@ def test_what_has_room_is_told_in_full() -> None:
     ]
 
 
+def test_what_would_help_goes_before_the_last_figures() -> None:
+    """Of three warnings all of it, with figures for the rest of the screen."""
+    rows = tuple(Row(f"figure {number}", (f"{number} mm",)) for number in range(20))
+    faults = tuple(Fault(f"{of} " + 80 * "x", (f"mend {of}" + 50 * "y",)) for of in ("first", "second", "third"))
+    text = answer_text(Answer("head", rows, faults))
+    assert all(f"-> mend {of}" in text for of in ("first", "second", "third"))
+    assert len(text.splitlines()) == 24
+    assert "figure 8" in text
+
+
 def test_columns_stand_below_their_heads() -> None:
     rows = Row("a", ("1 mm", "20 mm", "5 % lower")), Row("longer", ("1000 mm", "2 mm", "")), Row("alone", ("x",))
     lines = answer_text(Answer("h", rows, heads=("this", "other"))).splitlines()

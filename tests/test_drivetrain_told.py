@@ -193,7 +193,9 @@ def test_parts_that_do_not_hold_are_told_with_values_that_do() -> None:
     assert "length_mm: 40" in pressed
 
     weak.key.key.longest_mm = 39.0
-    assert "a thicker shaft, or a hub with a longer key" in str([one.remedies for one in _of_shaft(DRIVING, weak)])
+    assert "a thicker driving shaft, or a hub with a longer key" in str(
+        [one.remedies for one in _of_shaft(DRIVING, weak)]
+    )
     weak.key.safety = 0.8
     weak.jammed = Made(static_n=(9e3, 1e3), static_safety=(0.5, 3.0), yielding=1.2 / 8.0)
     weak.jammed_key = weak.key

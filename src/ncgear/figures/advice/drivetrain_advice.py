@@ -174,7 +174,8 @@ def _crushed(shaft: NamedShaft, key: KeySafety | None, when: str = "") -> Iterat
         longer = _at_least(f"drivetrain.{shaft.key}.key.length_mm", needed) if needed <= key.key.longest_mm else ""
         what = f"{when}the pressure on the key of the {shaft.words} is {most} MPa, and {allowed} MPa are allowed"
         yield _advice(
-            what, f"{longer}, or a thicker shaft" if longer else "a thicker shaft, or a hub with a longer key"
+            what,
+            f"{longer}, or a thicker shaft" if longer else f"a thicker {shaft.words}, or a hub with a longer key",
         )
 
 

@@ -29,7 +29,7 @@ MANY = 10_000
 """More lines than any answer has."""
 
 FAULTS = 6
-"""Lines about what is wrong that have room before the last figures have."""
+"""Lines about what is wrong, and what would help, that have room before the last figures have."""
 
 INDENT = "  "
 CUT = " ..."
@@ -147,8 +147,9 @@ def _blocks(answer: Answer, lines: int, told: Sequence[Told]) -> list[list[str]]
     top = [line for note in answer.notes for line in _wrapped(note)]
     top += [*([""] if top else []), *_wrapped(answer.head), *_wrapped(answer.about)]
     unknown = _wrapped(answer.not_judged)
-    # What helps against the most serious is told before the last figures, against others only where room is left
-    needed = min(sum(len(what) for what, _ in told), FAULTS) + sum(len(below) for _, below in told[:1])
+    # What helps against the most serious is told before the last figures, against others as far as FAULTS goes
+    faults, helps = (sum(map(len, lines)) for lines in zip(*told, strict=True)) if told else (0, 0)
+    needed = max(min(faults, FAULTS) + sum(len(below) for _, below in told[:1]), min(faults + helps, FAULTS))
     left = lines - len(top) - bool(answer.heads) - len(unknown) - 3
     # The first rows are the most telling
     tried = (_aligned(replace(answer, rows=answer.rows[:count])) for count in range(len(answer.rows), 0, -1))
