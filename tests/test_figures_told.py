@@ -332,7 +332,7 @@ def test_rough_sizes_are_enough_by_how_stresses_scale(root: tuple[float, float],
     came: list[tuple[float, float]] = []
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(strength_advice, "_sizes", lambda _, wider, larger: came.append((wider, larger)) or [])
-        strength_advice._rough_remedies(None, Made(weak=weak, unjudged=""))  # type: ignore[arg-type]
+        strength_advice._rough_remedies(None, Made(safeties=weak, unjudged=""))  # type: ignore[arg-type]
     ((wider, larger),) = came
     for width, module in ((wider, 1.0), (1.0, larger)):
         factors = width * module**2, module * width**0.5
