@@ -1,4 +1,4 @@
-"""Knocks of two pairs in series against another solver, and against a single pair where both must agree."""
+"""Knocks of pairs in series against another solver, and against a single pair where both must agree."""
 
 from __future__ import annotations
 
@@ -16,24 +16,34 @@ from ncgear.dynamics.train_knocks import KnockingTrain, TrainPair
 from test_flank_changes import INERTIA, LEVER_MM, PLAY_RAD, SPEED, TURN, TURNING, load, saw, teeth
 
 Array = np.ndarray
-SLOPE = 0.8
-"""How fast the second pair's driven gear turns over its driving gear."""
+SLOPES = 1.0, 0.8
+"""How fast the driven gear of each pair turns over its driving gear; three pairs are quicker in the middle."""
+OF_THREE = 0.8, 1.25, 0.9
 
 
 def damping(share: float, inertia: float) -> float:
     return 2.0 * share * sqrt(TURNING * inertia) / LEVER_MM**2
 
 
-def slower(meshing: Meshing) -> Meshing:
+def with_slope(meshing: Meshing, slope: float) -> Meshing:
     law = meshing.law
-    return replace(meshing, law=replace(law, coefficients=SLOPE * law.coefficients, rise=SLOPE * law.rise))
+    return replace(meshing, law=replace(law, coefficients=slope * law.coefficients, rise=slope * law.rise))
 
 
-def train(between: float, share: float = 0.1, rub: float = 0.0) -> KnockingTrain:
-    """Two pairs alike; the shaft between asks for nothing, since both laws are even."""
+def train(between: float, share: float = 0.1, rub: float = 0.0, slopes: tuple[float, ...] = SLOPES) -> KnockingTrain:
+    """Pairs alike; the shafts between ask for nothing, since all laws are even."""
     one = rubbing(teeth(damping=damping(share, between)), rub)
-    first, second = TrainPair(one, lambda phi1: SLOPE * saw(phi1)), TrainPair(slower(one), saw)
-    return KnockingTrain((first, second), between, load(), SPEED)
+    speeds = np.cumprod([1.0, *slopes]).tolist()
+
+    def asked(speed: float, own: float) -> Callable[[Array], Array]:
+        """The driven side's torque by the angle of a driving gear of this speed, on a driven gear of its ``own``."""
+        return lambda angle: speeds[-1] / own * saw(angle / speed)
+
+    pairs = [
+        TrainPair(with_slope(one, slope), asked(speed, own))
+        for slope, speed, own in zip(slopes, speeds, speeds[1:], strict=False)
+    ]
+    return KnockingTrain(tuple(pairs), (between,) * (len(slopes) - 1), load(), SPEED)
 
 
 ALONG_MM = 12.0, 14.0
@@ -49,12 +59,12 @@ def rubbing(meshing: Meshing, rub: float) -> Meshing:
     return replace(meshing, gaps=gaps, friction=Friction(rub, rub, 1e-3, 2e-3))
 
 
-def solved(one: KnockingTrain, end: float) -> tuple[Array, Array, Array]:
-    """Radau follows the actual angles of both shafts, each pair as two springs with damping about a gap.
+def solved(one: KnockingTrain, slopes: tuple[float, ...], end: float) -> tuple[Array, Array]:
+    """Radau follows the actual angles of all shafts, each pair as two springs with damping about a gap.
 
-    Friction presses on both gears of a pair, so that the shaft between also gives what the second pair's takes.
+    Friction presses on both gears of a pair, so that a shaft between also gives what the next pair's takes.
     """
-    between, c = one.between, [pair.meshing.impact for pair in one.pairs]
+    count, inertias = len(slopes), np.array([*one.between, INERTIA])
 
     def moment(impact: Impact, gap: float, rate: float) -> float:
         """Of a driven gear that is ``gap`` beyond its law, at the speed ``rate``: 0 within the play."""
@@ -65,29 +75,32 @@ def solved(one: KnockingTrain, end: float) -> tuple[Array, Array, Array]:
         damped = -impact.damping(depth) * sign * LEVER_MM * rate
         return sign * LEVER_MM * float(impact.force_n(LEVER_MM * pressed * TURNING / LEVER_MM**2, damped))
 
-    def moments(t: float, state: Array) -> tuple[float, float]:
-        q1, q2, w1, w2 = state
-        return (
-            moment(c[0], q1 - SPEED * t, w1 - SPEED),
-            moment(c[1], q2 - SLOPE * q1, w2 - SLOPE * w1),
+    def moments(t: float, state: Array) -> Array:
+        angle, speed = [SPEED * t, *state[:count]], [SPEED, *state[count:]]
+        return np.array(
+            [
+                moment(pair.meshing.impact, angle[k + 1] - slope * angle[k], speed[k + 1] - slope * speed[k])
+                for k, (pair, slope) in enumerate(zip(one.pairs, slopes, strict=True))
+            ]
         )
 
-    def slope(t: float, state: Array) -> Array:
-        (m1, m2), asked = moments(t, state), float(saw(np.array([SPEED * t]))[0])
-        rubbed = [
-            pair.meshing.friction.dynamic * abs(m) / LEVER_MM for pair, m in zip(one.pairs, (m1, m2), strict=True)
-        ]
-        turned = m1 + rubbed[0] * ALONG_MM[0] - SLOPE * m2 - rubbed[1] * ALONG_MM[1]
-        return np.array([state[2], state[3], turned / between, (m2 + rubbed[1] * ALONG_MM[0] - asked) / INERTIA])
+    def slope_at(t: float, state: Array) -> Array:
+        borne, asked = moments(t, state), float(saw(np.array([SPEED * t]))[0])
+        rubbed = np.array([pair.meshing.friction.dynamic for pair in one.pairs]) * np.abs(borne) / LEVER_MM
+        turned = borne + rubbed * ALONG_MM[0]
+        turned[:-1] -= np.array(slopes[1:]) * borne[1:] + rubbed[1:] * ALONG_MM[1]
+        turned[-1] -= asked
+        return np.concatenate([state[count:], turned / inertias])
 
-    begin = 0.5 * pi / SPEED
-    x1 = -SLOPE * float(saw(np.array([0.5 * pi]))[0]) / TURNING
-    x2 = SLOPE * x1 - float(saw(np.array([0.5 * pi]))[0]) / TURNING
-    q = [0.5 * pi + x1, SLOPE * 0.5 * pi + x2, SPEED, SLOPE * SPEED]
-    found = solve_ivp(slope, (begin, end / SPEED), q, "Radau", rtol=1e-9, atol=1e-12, max_step=2e-5)
+    begin = 0.5 * pi
+    angles, speeds = [begin], [SPEED]
+    for pair, slope, own in zip(one.pairs, slopes, np.cumprod([1.0, *slopes]), strict=False):
+        angles.append(slope * angles[-1] - float(pair.asked(np.array([own * begin]))[0]) / TURNING)
+        speeds.append(slope * speeds[-1])
+    q = [*angles[1:], *speeds[1:]]
+    found = solve_ivp(slope_at, (begin / SPEED, end / SPEED), q, "Radau", rtol=1e-9, atol=1e-12, max_step=2e-5)
     assert found.success
-    both = np.array([moments(t, state) for t, state in zip(found.t, found.y.T, strict=True)])
-    return SPEED * found.t, both[:, 0], both[:, 1]
+    return SPEED * found.t, np.array([moments(t, state) for t, state in zip(found.t, found.y.T, strict=True)]).T
 
 
 def highest(found: BorneTorque, low: float, high: float) -> float:
@@ -97,25 +110,28 @@ def highest(found: BorneTorque, low: float, high: float) -> float:
 
 @pytest.mark.tiers(slow=["0.5*"], rest="long")
 @pytest.mark.judges("dynamics")
-@pytest.mark.parametrize(("share", "rub"), [(0.5, 0.0), (0.5, 0.1), (0.1, 0.0)])
-def test_knocks_of_both_pairs_are_those_of_another_solver(share: float, rub: float) -> None:
+@pytest.mark.parametrize(
+    ("share", "rub", "slopes"),
+    [(0.5, 0.0, SLOPES), (0.5, 0.1, SLOPES), (0.1, 0.0, SLOPES), (0.5, 0.1, OF_THREE)],
+    ids=["0.5", "0.5-rub", "0.1", "0.5-three"],
+)
+def test_knocks_of_all_pairs_are_those_of_another_solver(share: float, rub: float, slopes: tuple[float, ...]) -> None:
     """Peaks within 7 %: here x is of the first order, and pairs are held for four steps."""
-    one = train(share * INERTIA, rub=rub)
-    found = one.borne(TURN)
-    phi1, *moments = solved(one, pi + 0.1)
+    one = train(share * INERTIA, rub=rub, slopes=slopes)
+    phi1, moments = solved(one, slopes, pi + 0.1)
     window = (phi1 > pi - 0.05) & (phi1 < pi + 0.1)
-    for borne, moment in zip(found, moments, strict=True):
+    for borne, moment, speed in zip(one.borne(TURN), moments, np.cumprod([1.0, *slopes]), strict=False):
         peak = float(-moment[window].min())
-        assert highest(borne, pi - 0.05, pi + 0.1) == pytest.approx(peak, rel=0.07)
+        assert highest(borne, speed * (pi - 0.05), speed * (pi + 0.1)) == pytest.approx(peak, rel=0.07)
         assert peak > 1.3e4
         assert borne.knocks
 
 
 @pytest.mark.judges("dynamics")
-def test_on_a_heavy_shaft_the_second_pair_knocks_as_a_single_one() -> None:
-    """The shaft between then turns as evenly as a driving shaft; a light one makes other knocks."""
-    heavy, light = (train(share * INERTIA).borne(TURN)[1] for share in (1e5, 0.1))
-    pair = train(1e5 * INERTIA).pairs[1].meshing
+def test_on_heavy_shafts_the_last_pair_knocks_as_a_single_one() -> None:
+    """The shafts between then turn as evenly as a driving shaft; light ones make other knocks."""
+    heavy, light = (train(share * INERTIA, slopes=(1.0, *SLOPES)).borne(TURN)[-1] for share in (1e5, 0.1))
+    pair = train(1e5 * INERTIA).pairs[-1].meshing
     alone = borne_torque(pair, load(), saw, SPEED, TURN)
     peaks = [highest(one, pi, pi + 0.1) for one in (heavy, alone, light)]
     assert peaks[0] == pytest.approx(peaks[1], rel=0.02)

@@ -44,9 +44,7 @@ def load_words(drive: Drive, strength: Strength) -> str:
     jam = " and a jam" if drive.conditions.overload else ""
     gears = drive.design.gears
     by = "row" if strength.load == "resistance" and gears is not None and gears.idlers is not None else strength.load
-    pairs = drive.design.stages_said[0] if drive.design.stages > 2 else ""
-    swings = f"; not followed: swings of {pairs} on their teeth" if pairs and by == "masses" else ""
-    return LOADS[by].format(jam=jam, alone=jam or " alone") + swings
+    return LOADS[by].format(jam=jam, alone=jam or " alone")
 
 
 METHODS = {

@@ -419,7 +419,7 @@ class Drive(Geared):
 
     @computed
     def train_borne(self) -> tuple[BorneTorque, ...]:
-        """The torques on the teeth of pairs in series, with the stiffness of the estimate; masses only of two."""
+        """The torques on the teeth of pairs in series, with the stiffness of the estimate."""
         from ncgear.contact.placement import BOTH_SIDES
         from ncgear.dynamics.flank_changes import BorneTorque
         from ncgear.dynamics.gaps import WITHIN_IN_MODULES

@@ -12,8 +12,7 @@ import numpy as np
 from ncgear.contact.placement import BOTH_SIDES
 from ncgear.design.keys.masses import Simulation
 from ncgear.dynamics.crank_load import CrankLoad, crank_load
-from ncgear.dynamics.driven_side import IDLE
-from ncgear.dynamics.flank_changes import JUMP, BorneTorque, borne_torque, flanks_of
+from ncgear.dynamics.flank_changes import BorneTorque, borne_torque
 from ncgear.dynamics.gaps import LEAST_IN_MODULES, PER_TOOTH, WITHIN_IN_MODULES, Gaps, gaps_of
 from ncgear.dynamics.law_table import law_table
 from ncgear.dynamics.loaded_machine import RigidMachine
@@ -194,45 +193,23 @@ def borne_by(given: Simulation, load: ToothLoad, meshing: Meshing) -> BorneTorqu
 def train_borne_by(
     given: Simulation, loads: Sequence[ToothLoad], meshings: Sequence[Meshing]
 ) -> tuple[BorneTorque, ...]:
-    """The torques of pairs in series, as ``borne_by``; shafts between must have inertia.
-
-    Knocks are followed of two pairs.  Raises WrongInput where more pairs change their flanks.
-    """
+    """The torques of pairs in series, as ``borne_by``; shafts between must have inertia."""
     rigid, machine = loads[0].machine, loads[0].machine.machine
     cycle = machine.transmission.cycle_rad
     still = tuple(BorneTorque(one.torque_n_mm, cycle) for one in loads)
-    if len(loads) > 2:
-        if refused := change_of_flanks(loads):
-            raise refused
-        return still
-    between = N_PER_KG_MM_S2 * sum(rigid.masses.between_inertia_kg_mm2)
-    if not between:
+    between = tuple(N_PER_KG_MM_S2 * inertia for inertia in rigid.masses.between_inertia_kg_mm2)
+    if len(between) != len(loads) - 1 or not all(between):
         return still
     try:
         load = crank_load(machine.linkage, rigid.masses, machine.load)
     except WrongInput:
         return still
-    own = between, swinging_inertia(meshings[1], between, mean_inertia(load))
+    shafts = pairwise([0.0, *between, mean_inertia(load)])
     pairs = [
-        TrainPair(damped(given.of_own_stiffness, meshing, inertia), one.torque_n_mm)
-        for meshing, inertia, one in zip(meshings, own, loads, strict=True)
+        TrainPair(damped(given.of_own_stiffness, meshing, swinging_inertia(meshing, *ends)), one.torque_n_mm)
+        for meshing, ends, one in zip(meshings, shafts, loads, strict=True)
     ]
-    return KnockingTrain((pairs[0], pairs[1]), between, load, machine.speed_rad_s).borne(cycle)
-
-
-def change_of_flanks(loads: Sequence[ToothLoad]) -> WrongInput | None:
-    """Why knocks of more than two pairs are not followed: the torque of a pair changes its sign or jumps."""
-    for load in loads:
-        angle = np.linspace(0.0, load.pair.transmission.lobes.driving_period_rad, 4 * SAMPLES, endpoint=False)
-        torque = load.torque_n_mm(angle)
-        changed = np.abs(np.diff(torque, append=torque[0])) > JUMP * np.abs(torque).max()
-        if changed.any() or np.ptp(flanks_of(torque, IDLE * float(np.abs(torque).max()))):
-            return WrongInput(
-                f"with masses the load of pair {load.number + 1} changes the flanks or jumps, and knocks are followed "
-                f"of two pairs in series, not of {len(loads)}; leave masses out to rate the teeth without them",
-                key="masses",
-            )
-    return None
+    return KnockingTrain(tuple(pairs), between, load, machine.speed_rad_s).borne(cycle)
 
 
 def loaded_places_rad(phi1_rad: Array, pair: Pair, meshing: Meshing, rigid: RigidMachine) -> Array:

@@ -128,7 +128,7 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
         each = [rolled_load(drive, partial(borne.hardest, urge)) for urge in PUSHING_AND_BACK]
         sides = [side for one in each for side in shared_loads(one, plan, running, drive.materials)]
         load = replace(load, force_n=np.maximum(*(one.force_n for one in each)))
-    in_series = asked.load == "masses" and not asked.knocks_are_judged and len(sides) > 1 and design.stages == 2
+    in_series = asked.load == "masses" and not asked.knocks_are_judged and len(sides) > 1 and design.stages > 1
     if asked.loads_return:
         sides = [*sides, *shared_loads(rolled_load(drive, asked.returning_n_mm), plan, running, drive.materials)]
     needs_teeth = _needs_teeth(drive, plan, load, sides) if sides else ""
@@ -168,16 +168,6 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
         return RoughStrength((*found, *jammed), why, needs_teeth, True, None, tuple(jammed), jam_needs_teeth)
     except Unanswered as error:
         return RoughStrength((), error.problem)
-
-
-def refusal_of_series(drive: Drive) -> DesignError | None:
-    """Why no teeth tell the strength of more than two pairs with masses; None where they do."""
-    if drive.design.masses is None or drive.design.stages <= 2:
-        return None
-    # Checks of other machines load no module of contact.
-    from ncgear.project.forces import change_of_flanks
-
-    return change_of_flanks([asked_of(pair) for pair in drive.whole.by_stage])
 
 
 def beside_refusal(drive: Drive, refusal: DesignError | None) -> RoughStrength | None:

@@ -17,7 +17,7 @@ from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import may_be_helical
 from ncgear.project.drive import Drive
-from ncgear.project.rough_strength import RoughStrength, beside_refusal, refusal_of_series, rough_damage, rough_strength
+from ncgear.project.rough_strength import RoughStrength, beside_refusal, rough_damage, rough_strength
 from ncgear.project.service import choices_of
 from ncgear.project.strengthening import MOST_TEETH, SERIES_I_MM, WIDEST_MODULES, Rating, deciding_loads, known_rating
 from ncgear.project.vibration import ToldVibration
@@ -157,7 +157,7 @@ def _under(safety: float, wanted: float) -> str:
 
 def rough(drive: Drive) -> Advice | NotJudged | None:
     """The same without teeth, by a rough estimate."""
-    return _roughly(drive, beside_refusal(drive, refusal_of_series(drive)))
+    return _roughly(drive, rough_strength(drive))
 
 
 def _roughly(drive: Drive, found: RoughStrength | None) -> Advice | NotJudged | None:

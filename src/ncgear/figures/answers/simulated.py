@@ -15,7 +15,6 @@ from ncgear.figures.simulated import SAME_AS_MESH
 from ncgear.figures.strong import decided_words
 from ncgear.figures.summary.check_summary import uniform_key
 from ncgear.project.drive import Drive
-from ncgear.project.rough_strength import refusal_of_series
 
 LEVELS = {
     Level.RIGID: "Torques and forces of rigid bodies, constant driving speed",
@@ -85,7 +84,6 @@ def simulated_answer(drive: Drive, level: Level, figures: Mapping[str, Any], ver
             rows += _not_followed(figures["band_of_stiffness"])
     if level is not Level.RIGID and drive.design.stages > 1:
         about += f"; teeth of {drive.design.stages_said[0]}, from the driving shaft on"
-    after = "ncgear build {file}" if refusal_of_series(drive) else AFTER[level]
     return Answer(
         head_of(drive),
         tuple(rows),
@@ -94,7 +92,7 @@ def simulated_answer(drive: Drive, level: Level, figures: Mapping[str, Any], ver
         heads=heads,
         good=verdict.good,
         not_judged=verdict.not_judged,
-        then=after.format(file=file) if drive.design.gears is not None else "",
+        then=AFTER[level].format(file=file) if drive.design.gears is not None else "",
     )
 
 
