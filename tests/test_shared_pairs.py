@@ -155,13 +155,10 @@ def test_safest_parts_of_pressures_in_closed_form() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("count", "bend", "torque"), [(2, 0.4, "10*(1 - 0.4*cos(x))"), (3, 0.25, "10*(1 - 0.3*cos(x))")]
-)
-def test_pairs_share_a_law_safely(count: int, bend: float, torque: str) -> None:
-    """Rated afterwards by `strength`, from the parts alone; no other parts that are tried here are safer by 1 %."""
+@pytest.mark.parametrize(("count", "bend", "torque"), [(2, 0.4, 0.4), (3, 0.25, 0.3)])
+def test_pairs_share_a_law_safely(count: int, bend: float, torque: float) -> None:
+    """Rated afterwards by `strength`, from the parts alone: all pairs are equally safe, and the weakest gains."""
     wild = f'{{law: ratio_expression, ratio: "1/(1 + {bend}*cos(phi))**{count}", scale_to_close: true}}'
-
     load = f"10*(1 - {torque}*cos(x))"
     even, found = (
         [worst(rating_of(pair).weakest).share for pair in made(wild, count, load, more).by_stage]
