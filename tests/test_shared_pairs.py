@@ -6,6 +6,7 @@ load of a single pair.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 from itertools import pairwise
 from math import inf
@@ -18,8 +19,8 @@ from drives import drive_of_text
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.summary.check_summary import stages_summary
 from ncgear.project.drive import Drive
-from ncgear.project.even_safety import evenly_safe
 from ncgear.project.opened import _in_common, drive_like
+from ncgear.project.safest_parts import safest_parts
 from ncgear.project.strengthening import rating_of
 from ncgear.strength.holding import worst
 
@@ -116,55 +117,63 @@ def test_pairs_share_a_law_at_equal_pressure_angles(count: int) -> None:
     assert max(told) < 0.9 * max(one.pitch.largest_pressure_angle_deg(0.0) for one in made(wild, count).by_stage)
 
 
-def test_even_safeties_of_pressures_in_closed_form() -> None:
-    """Safeties of flanks go as the root of a load over a curvature radius; here both change linearly with the part."""
-    asked = list[float]()
+def test_safest_parts_of_pressures_in_closed_form() -> None:
+    """Safeties of flanks go as the root of a load over a curvature radius; here all change linearly with the part."""
+    asked = list[tuple[float, ...]]()
 
-    def shares(part: float) -> tuple[float, float]:
-        asked.append(part)
-        return 1.0 / (1.0 + 0.7 * part) ** 0.5, 1.0 / (1.9 - 0.5 * part) ** 0.5 if part > 0.1 else 0.0
+    def pressed(*lines: tuple[float, float]) -> Callable[[tuple[float, ...], int], float]:
+        def share(parts: tuple[float, ...], pair: int) -> float:
+            asked.append(parts)
+            load, more = lines[pair]
+            if parts[0] <= 0.1 and pair:
+                raise NoSuchMechanism("no teeth", key="gears")
+            return 1.0 / (load + more * parts[pair]) ** 0.5
 
-    assert evenly_safe(shares) == pytest.approx(0.75, abs=0.01)
-    assert len(asked) < 8
-    assert evenly_safe(lambda _part: (1.1, 1.1)) == 0.5
-    for told, said in (
-        (lambda part: (1.0 + 0.1 * part, 1.2), "pair 2 is the safer whatever part"),
-        (lambda part: (1.0, 0.9 if part < 0.6 else 1.1), "jump past each other where pair 1 takes 0.6 "),
-    ):
-        with pytest.raises(NoSuchMechanism, match=said) as wrong:
-            evenly_safe(told)
-        assert wrong.value.key == "gears.sharing"
+        return share
+
+    def judged(*lines: tuple[float, float]) -> None:
+        even = (1.0 + sum(load / more for load, more in lines)) / sum(1.0 / more for _, more in lines)
+        share, asked[:] = pressed(*lines), []
+        parts = safest_parts(share, len(lines))
+        assert sum(parts) == pytest.approx(1.0)
+        assert min(share(parts, pair) for pair in range(len(lines))) == pytest.approx(even**-0.5, rel=0.004)
+
+    judged((1.0, 0.7), (1.4, 0.5))
+    assert len(asked) < 50
+    judged((1.0, 0.7), (1.1, 0.5), (1.05, 0.9))
+    # Pair 2 is the safer whatever part pair 1 takes; pair 1 is safest with the greatest.
+    assert safest_parts(lambda parts, pair: 1.2 if pair else 1.0 + 0.1 * parts[0], 2)[0] > 0.9
+    refusal = NoSuchMechanism("no teeth", key="gears")
+
+    def refused(_parts: tuple[float, ...], _pair: int) -> float:
+        raise refusal
+
+    with pytest.raises(NoSuchMechanism, match="no teeth"):
+        safest_parts(refused, 2)
     with pytest.raises(WrongInput, match="the teeth carry no load"):
-        evenly_safe(lambda _part: (inf, inf))
+        safest_parts(lambda _parts, _pair: inf, 2)
 
 
 @pytest.mark.slow
-def test_two_pairs_share_a_law_at_equal_safety() -> None:
-    """Rated afterwards by `strength`, from the parts alone; even parts differ by 4 %."""
-    wild = '{law: ratio_expression, ratio: "1/(1 + 0.4*cos(phi))**2", scale_to_close: true}'
-
-    def rated(more: str) -> list[float]:
-        drive = made(wild, 2, "10*(1 - 0.4*cos(x))", more)
-        return [worst(rating_of(pair).weakest).share for pair in drive.by_stage]
-
-    first, second = rated(", sharing: safety")
-    assert first == pytest.approx(second, rel=0.01)
-    even = rated("")
+@pytest.mark.parametrize(("count", "bend", "torque"), [(2, 0.4, 0.4), (3, 0.25, 0.3)])
+def test_pairs_share_a_law_safely(count: int, bend: float, torque: float) -> None:
+    """Rated afterwards by `strength`, from the parts alone: all pairs are equally safe, and the weakest gains."""
+    wild = f'{{law: ratio_expression, ratio: "1/(1 + {bend}*cos(phi))**{count}", scale_to_close: true}}'
+    load = f"10*(1 - {torque}*cos(x))"
+    even, found = (
+        [worst(rating_of(pair).weakest).share for pair in made(wild, count, load, more).by_stage]
+        for more in ("", ", sharing: safety")
+    )
+    assert found == pytest.approx([found[0]] * count, rel=0.005)
+    assert min(found) > 1.02 * min(even)
     assert max(even) > 1.03 * min(even)
-    assert min(first, second) > min(even)
-    refused = made(wild, 2, "10", ", sharing: safety")
-    for _ in range(2):
-        with pytest.raises(NoSuchMechanism, match="pair 2 is the safer whatever part"):
-            _ = refused.law
 
 
-def test_even_safety_needs_two_pairs_and_a_load() -> None:
-    with pytest.raises(WrongInput, match=r"two pairs \(gears.pairs\) are right") as wrong:
-        made(EVEN, 3, "10", ", sharing: safety")
-    assert wrong.value.key == "gears.sharing"
+def test_safe_sharing_needs_a_load() -> None:
     text = MACHINE.format(law=EVEN, pairs=2, torque="10", more=", sharing: safety").rpartition("resistance")[0]
-    with pytest.raises(WrongInput, match="a load of the teeth"):
+    with pytest.raises(WrongInput, match="a load of the teeth") as wrong:
         drive_of_text(text)
+    assert wrong.value.key == "gears.sharing"
 
 
 def test_every_pair_passes_the_power_of_the_driven_shaft() -> None:

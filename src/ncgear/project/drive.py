@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
+from functools import lru_cache, partial
 from itertools import chain
 from time import perf_counter
 from typing import TYPE_CHECKING, Literal
@@ -74,29 +74,22 @@ class Drive(Geared):
 
     @computed_by
     def _shared_by(self, _sharing: Literal["safety"]) -> Law:
-        """The law shared out at equal safety; a refusal, which takes several ratings, is kept too."""
+        """The law shared out as safely as can be; a refusal, which takes several ratings, is kept too."""
         gears = self.gears
-        from ncgear.project.even_safety import evenly_safe
+        from ncgear.project.safest_parts import safest_parts
         from ncgear.strength.holding import weakest_under, worst
 
-        def shared_out(part: float) -> Drive:
-            changed = gears.model_copy(update={"sharing": "even", "parts": (part, 1.0 - part)})
+        @lru_cache(maxsize=1)
+        def shared_out(parts: tuple[float, ...]) -> Drive:
+            changed = gears.model_copy(update={"sharing": "even", "parts": parts})
             return Drive(self.design.model_copy(update={"gears": changed}), loaded=self.loaded)
 
-        def shares(part: float) -> tuple[float, ...]:
-            found, refusals = list[float](), list[DesignError]()
-            for one in shared_out(part).by_stage:
-                try:
-                    found.append(worst(weakest_under(one.strength_by("estimate"), one.conditions)).share)
-                except DesignError as refusal:
-                    found.append(0.0)
-                    refusals.append(refusal)
-            if len(refusals) == len(found):
-                raise refusals[0]
-            return tuple(found)
+        def share(parts: tuple[float, ...], number: int) -> float:
+            pair = shared_out(parts).by_stage[number]
+            return worst(weakest_under(pair.strength_by("estimate"), pair.conditions)).share
 
         with self.stopwatch("law"):
-            return shared_out(evenly_safe(shares)).law
+            return shared_out(safest_parts(share, self.design.stages)).law
 
     @computed
     def by_stage(self) -> tuple[Drive, ...]:

@@ -340,9 +340,8 @@ class Design(Model, Shown):
                 said = "given, but one pair has the whole ratio; leave it out, or give gears.pairs"
                 yield fault(f"gears.{key}", said)
             return
-        if self.gears.sharing == "safety" and (pairs != 2 or not self.loads_teeth):
-            said = "two pairs (gears.pairs) are right" if pairs != 2 else "a load of the teeth (resistance) is missing"
-            yield fault("gears.sharing", f"safety given, but {said}")
+        if self.gears.sharing == "safety" and not self.loads_teeth:
+            yield fault("gears.sharing", "safety given, but a load of the teeth (resistance) is missing")
         if len(shared) > 1:
             yield fault("gears.parts", "given, and gears.sharing; leave one of them out")
         yield from counts("gears.parts", len(self.gears.parts or ()), pairs, "part", f"of {COUNTS[pairs]} pairs")

@@ -287,8 +287,8 @@ class Gears(Model):
     )
     sharing: Literal["even", "pressure_angle", "safety"] = optional(
         "how pairs in series share the logarithm of the ratio: even, in equal parts; pressure_angle, so that the "
-        "largest pressure angles of all pairs are equal; safety, so that the least safeties of two pairs are equal, "
-        "as shares of the wanted ones",
+        "largest pressure angles of all pairs are equal; safety, so that the weakest pair is as safe as it "
+        "can be",
         "even",
     )
     parts: Parts | None = optional(
