@@ -159,7 +159,7 @@ def fault_words(error: Exception) -> str:
     from importlib.metadata import PackageNotFoundError, metadata
 
     try:
-        urls = dict(one.split(", ", 1) for one in metadata("ncgear").get_all("Project-URL") or ())
+        urls = dict(entry.split(", ", 1) for entry in metadata("ncgear").get_all("Project-URL") or ())
     except PackageNotFoundError:
         urls = {}
     place = f" at {urls['Issues']}" if "Issues" in urls else ""

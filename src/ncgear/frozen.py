@@ -24,7 +24,7 @@ else:
         if not frozen:
             raise TypeError("dataclasses that can be changed are made by dataclasses.dataclass")
         if cls is None:
-            return lambda one: dataclass(one, frozen=True, eq=eq, **options)
+            return lambda cls: dataclass(cls, frozen=True, eq=eq, **options)
         if any(map(dataclasses.is_dataclass, cls.__mro__[1:])):
             return dataclasses.dataclass(cls, frozen=True, eq=eq, **options)
         shared = {"__setattr__": _set_once, "__delattr__": _delete}

@@ -73,7 +73,7 @@ def compared(found: SideBySide, quantity: str = "acceleration", axes: Axes | Non
 
     The quantity is one of displacement, velocity, acceleration, load, power and ratio.
     """
-    known = {one.name.lower(): one for one in Quantity}
+    known = {quantity.name.lower(): quantity for quantity in Quantity}
     if quantity not in known:
         raise WrongInput(f"{quantity!r} given; {', '.join(known)} are right", key="quantity")
     axes = axes or _own_axes()

@@ -128,7 +128,7 @@ def _through(
             return
         done, _ = wait(running, return_when=FIRST_COMPLETED)
         # Tasks that broke with their executor stay, and are handed out again below.
-        for future in [one for one in done if not isinstance(one.exception(), BrokenProcessPool)]:
+        for future in [future for future in done if not isinstance(future.exception(), BrokenProcessPool)]:
             yield running.pop(future), future.result()
             done.remove(future)
             deaths = 0

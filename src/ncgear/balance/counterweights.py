@@ -159,9 +159,9 @@ def sweep(mechanism: DrivenCrank, counterweight: Counterweight, masses_kg: Seque
     """A counterweight on the crank with each mass, added to existing ones; with gravity, bearings carry weights."""
     known, found = accelerations(mechanism), []
     for mass in masses_kg:
-        one = mechanism.with_counterweight(replace(counterweight, mass_kg=mass))
-        bearing_n = magnitude_statistics(*bearing_force(one))
-        found.append(TriedCounterweight(mass, bearing_n, shaking(one, known).force, track(one)))
+        swept = mechanism.with_counterweight(replace(counterweight, mass_kg=mass))
+        bearing_n = magnitude_statistics(*bearing_force(swept))
+        found.append(TriedCounterweight(mass, bearing_n, shaking(swept, known).force, track(swept)))
     return found
 
 

@@ -64,12 +64,12 @@ class Mounted:
 def frame_shaking(mounted: Sequence[Mounted]) -> Shaking:
     """Force along x and y and moment over the longest cycle; raises WrongInput for other speeds or uneven cycles."""
     cycle = _common_cycle(mounted)
-    parts = [(one, shaking(one.mechanism)) for one in mounted]
+    parts = [(machine, shaking(machine.mechanism)) for machine in mounted]
 
     def total(angle: Array) -> Array:
-        return np.asarray(np.sum([_in_frame(one, own, angle) for one, own in parts], axis=0))
+        return np.asarray(np.sum([_in_frame(machine, own, angle) for machine, own in parts], axis=0))
 
-    breaks = np.unique(np.concatenate([[0.0, cycle], *(_breaks(one, own, cycle) for one, own in parts)]))
+    breaks = np.unique(np.concatenate([[0.0, cycle], *(_breaks(machine, own, cycle) for machine, own in parts)]))
     breaks = breaks[np.append(True, np.diff(breaks) > SAME * cycle)]
     return Shaking(*waveforms(chebyshev.fitted(total, np.append(breaks[:-1], cycle))))
 
@@ -80,7 +80,7 @@ def best_phase(mounted: Sequence[Mounted], moved: int) -> Extremum:
     The mean square is a trigonometric polynomial of the phase.  Raises WrongInput as ``frame_shaking``, and for cycles
     of other lengths.
     """
-    others = frame_shaking([one for number, one in enumerate(mounted) if number != moved])
+    others = frame_shaking([other for number, other in enumerate(mounted) if number != moved])
     alone = frame_shaking([replace(mounted[moved], phase_rad=0.0)])
     cycle = _common_cycle(mounted)
     if abs(others.along.cycle_rad - alone.along.cycle_rad) > SAME * cycle:
@@ -99,8 +99,8 @@ def best_phase(mounted: Sequence[Mounted], moved: int) -> Extremum:
 def frame_track(mounted: Sequence[Mounted]) -> Track:
     """Track of the common centre of mass of all mechanisms over the longest cycle."""
     angle = np.linspace(0.0, _common_cycle(mounted), TRACK_POINTS)
-    moment = sum(one.mechanism.total_kg * _center(one, angle) for one in mounted)
-    center = moment / sum(one.mechanism.total_kg for one in mounted)
+    moment = sum(machine.mechanism.total_kg * _center(machine, angle) for machine in mounted)
+    center = moment / sum(machine.mechanism.total_kg for machine in mounted)
     return Track(np.column_stack([center.real, center.imag]))
 
 
@@ -111,16 +111,16 @@ def frame_sweep(
     found = []
     for mass in masses_kg:
         mechanism = mounted[moved].mechanism.with_counterweight(replace(counterweight, mass_kg=mass))
-        one = replace(mounted[moved], mechanism=mechanism)
-        together = [one if number == moved else other for number, other in enumerate(mounted)]
+        at_mass = replace(mounted[moved], mechanism=mechanism)
+        together = [at_mass if number == moved else other for number, other in enumerate(mounted)]
         found.append((mass, frame_shaking(together), frame_track(together)))
     return found
 
 
-def _center(one: Mounted, angle: Array) -> ComplexArray:
-    center = one.mechanism.center_of_mass_mm(angle + one.phase_rad)
-    own = np.conj(center) if one.mirrored else center
-    return np.asarray(one.place_mm + own * exp(1j * one.direction_rad))
+def _center(machine: Mounted, angle: Array) -> ComplexArray:
+    center = machine.mechanism.center_of_mass_mm(angle + machine.phase_rad)
+    own = np.conj(center) if machine.mirrored else center
+    return np.asarray(machine.place_mm + own * exp(1j * machine.direction_rad))
 
 
 def _coefficients(shaken: Shaking) -> ComplexArray:
@@ -132,9 +132,9 @@ def _coefficients(shaken: Shaking) -> ComplexArray:
 
 def _common_cycle(mounted: Sequence[Mounted]) -> float:
     """The longest cycle, as a driving angle; raises WrongInput as ``frame_shaking`` does."""
-    cycles = [one.mechanism.transmission.cycle_rad for one in mounted]
-    for number, one in enumerate(mounted):
-        if not np.isclose(one.mechanism.speed_rad_s, mounted[0].mechanism.speed_rad_s, rtol=SAME):
+    cycles = [machine.mechanism.transmission.cycle_rad for machine in mounted]
+    for number, machine in enumerate(mounted):
+        if not np.isclose(machine.mechanism.speed_rad_s, mounted[0].mechanism.speed_rad_s, rtol=SAME):
             raise WrongInput(
                 "its driving speed differs from the first one's; one shaft drives all", key=f"mechanisms.{number}"
             )
@@ -145,20 +145,20 @@ def _common_cycle(mounted: Sequence[Mounted]) -> float:
     return max(cycles)
 
 
-def _in_frame(one: Mounted, own: Shaking, angle: Array) -> Array:
-    phi1 = np.mod(angle + one.phase_rad, own.along.cycle_rad)
+def _in_frame(machine: Mounted, own: Shaking, angle: Array) -> Array:
+    phi1 = np.mod(angle + machine.phase_rad, own.along.cycle_rad)
     force, moment = own.along(phi1) + 1j * own.across(phi1), own.moment(phi1)
-    if one.mirrored:
+    if machine.mirrored:
         force, moment = np.conj(force), -moment
-    turned = force * exp(1j * one.direction_rad)
-    return np.column_stack([turned.real, turned.imag, moment + (np.conj(one.place_mm) * turned).imag])
+    turned = force * exp(1j * machine.direction_rad)
+    return np.column_stack([turned.real, turned.imag, moment + (np.conj(machine.place_mm) * turned).imag])
 
 
-def _breaks(one: Mounted, own: Shaking, cycle: float) -> Array:
+def _breaks(machine: Mounted, own: Shaking, cycle: float) -> Array:
     """Places of the mechanism's own breaks in the common cycle."""
     times = round(cycle / own.along.cycle_rad)
     starts = np.arange(times)[:, None] * own.along.cycle_rad
-    return np.mod((starts + one.mechanism.breaks_rad - one.phase_rad).ravel(), cycle)
+    return np.mod((starts + machine.mechanism.breaks_rad - machine.phase_rad).ravel(), cycle)
 
 
 # --- two cranks by formula ------------------------------------------------------------------------------------------
@@ -205,10 +205,10 @@ def best_phase_rad(one: Crank, other: Crank) -> float:
     return one.sense * opposed % (2.0 * pi)
 
 
-def combined_counterweight_kg(one: JointMasses, shares: tuple[float, float], arm_ratio: float, share: float) -> float:
+def combined_counterweight_kg(crank: JointMasses, shares: tuple[float, float], arm_ratio: float, share: float) -> float:
     """Counterweight of one of two cranks for both: (r/r') (eta2 m_B + k eta1 m_C); ``shares``: eta1, eta2."""
     reciprocating, rotating = shares
-    return arm_ratio * (rotating * one.rotating_kg + share * reciprocating * one.reciprocating_kg)
+    return arm_ratio * (rotating * crank.rotating_kg + share * reciprocating * crank.reciprocating_kg)
 
 
 # --- counterweight of a chassis -------------------------------------------------------------------------------------

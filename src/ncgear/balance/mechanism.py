@@ -192,7 +192,7 @@ def complete_balance(mechanism: DrivenCrank, rod_arm_mm: float, crank_arm_mm: fl
 
 def _against(mechanism: DrivenCrank, carrier: Carrier, moment_kg_mm: complex, arm_mm: float) -> Counterweight:
     if moment_kg_mm.real < -NOTHING * mechanism.total_kg * arm_mm:
-        there = any(one.carrier is carrier for one in mechanism.counterweights)
+        there = any(counterweight.carrier is carrier for counterweight in mechanism.counterweights)
         lighter = "take counterweights off it" if there else "move its centre of mass towards the slider or the pin"
         raise WrongInput(
             f"the part is too heavy by {-moment_kg_mm.real:.6g} kg mm on the counterweight's side already; {lighter}",

@@ -113,7 +113,7 @@ def _libraries() -> dict[str, str]:
     from importlib.metadata import PackageNotFoundError, requires, version
 
     found = {}
-    for name in dict.fromkeys(re.split(r"[^\w.-]", one)[0] for one in requires("ncgear") or () if "dev" not in one):
+    for name in dict.fromkeys(re.split(r"[^\w.-]", name)[0] for name in requires("ncgear") or () if "dev" not in name):
         with suppress(PackageNotFoundError):
             found[name] = version(name)
     return found

@@ -151,8 +151,8 @@ def _write_asked(
     text = begun(path.stem, kind, own)
     answers = likely_answers(text)
     if ask:
-        for one, question in OF_MACHINE.items():
-            answers[one] = _asked(question, answers[one], partial(fault_of_answer, one, text))
+        for asked_name, question in OF_MACHINE.items():
+            answers[asked_name] = _asked(question, answers[asked_name], partial(fault_of_answer, asked_name, text))
     made = asked_text(path.stem, kind, own, answers, told)
     # The wishes are checked against the mechanism once
     Drive(parsed(made, path).design).motion_wishes  # noqa: B018
@@ -343,9 +343,9 @@ One = TypeVar("One", bound=StrEnum)
 
 
 def _asked_of(question: str, choices: Mapping[One, str]) -> One:
-    for number, (one, choice) in enumerate(choices.items(), 1):
-        typer.echo(f"  {number:>2}  {one:<22}{choice}", err=True)
-    told = {str(number): one for number, one in enumerate(choices, 1)} | {one.value: one for one in choices}
+    for number, (name, choice) in enumerate(choices.items(), 1):
+        typer.echo(f"  {number:>2}  {name:<22}{choice}", err=True)
+    told = {str(number): name for number, name in enumerate(choices, 1)} | {choice.value: choice for choice in choices}
     fault = "its number or its name is right"
     return told[_asked(question, "1", lambda answer: None if answer in told else fault)]
 
@@ -363,12 +363,12 @@ def _asked_sizes(
     if isinstance(beginning, MachineName):
         asked = list(of_machine)
     else:
-        sizes = (one for one in QUESTIONS if one not in (*lengths, "application_factor"))
+        sizes = (question for question in QUESTIONS if question not in (*lengths, "application_factor"))
         asked = [law_keys(beginning).ASKED_LENGTH, *sizes]
     # Stroke and crank determine each other, so only one of them is asked for.
     known = {*given, *(lengths if set(lengths) & set(given) else ())}
     found = dict(given)
-    for answer in (one for one in asked if one not in known):
+    for answer in (question for question in asked if question not in known):
         likely = before.get(answer, proportioned(found, beginning)[answer])
         found[answer] = _asked_number(answer, likely, found, beginning)
     return found

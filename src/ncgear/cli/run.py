@@ -198,7 +198,7 @@ def _substituted(error: UnicodeError) -> tuple[str, int]:
     if not isinstance(error, UnicodeEncodeError):
         raise error
     lacking = error.object[error.start : error.end]
-    plain = (INSTEAD.get(one) or normalize("NFKD", one).encode("ascii", "ignore").decode() or "?" for one in lacking)
+    plain = (INSTEAD.get(mark) or normalize("NFKD", mark).encode("ascii", "ignore").decode() or "?" for mark in lacking)
     return "".join(plain), error.end
 
 

@@ -49,13 +49,13 @@ class PairContact:
         """The extremes of each form, between the positions as well; raises as ``as_written``."""
         reach, forms = reach_mm(self.pitch, self.teeth), zip(self.outlines, self.as_written, strict=True)
         fixed = self.pitch, self.teeth
-        return tuple(written_extremes(one, *fixed, found, self.as_designed, reach) for one, found in forms)
+        return tuple(written_extremes(form, *fixed, found, self.as_designed, reach) for form, found in forms)
 
     def may_overlap(self, allowed_mm: float) -> bool:
         """Whether any form overlaps by more than is allowed, which takes far less time than all ``extremes``."""
         reach, even = reach_mm(self.pitch, self.teeth), self.as_designed.placement
         forms = zip(self.outlines, self.as_written, strict=True)
-        return any(may_overlap(allowed_mm, one, self.pitch, found, even, reach) for one, found in forms)
+        return any(may_overlap(allowed_mm, form, self.pitch, found, even, reach) for form, found in forms)
 
     @property
     def transmission_error_rad(self) -> float:
@@ -79,7 +79,7 @@ def pair_contact(
 ) -> PairContact:
     """Contact of a pair as designed and in each written form; raises as ``as_written``."""
     reach = reach_mm(pitch, teeth)
-    found = tuple(as_written(one, teeth, designed.placement, reach) for one in written)
+    found = tuple(as_written(form, teeth, designed.placement, reach) for form in written)
     return PairContact(designed, found, pitch, teeth, tuple(written))
 
 

@@ -115,7 +115,7 @@ def proportioned(answers: Mapping[str, float], beginning: Beginning = DEFAULT_LA
     rod = answers.get("rod_mm", _rounded(crank / usual["crank_mm"] * usual["rod_mm"]))
     return {
         **usual,
-        **{one: whole(value) for one, value in answers.items()},
+        **{name: whole(value) for name, value in answers.items()},
         "stroke_mm": whole(2.0 * crank),
         "crank_mm": whole(crank),
         "rod_mm": rod,
@@ -150,7 +150,7 @@ def _values(document: Document, beginning: Beginning, answers: Mapping[str, floa
     if "application_factor" in answers:
         keys["application_factor"] = ANSWERS["application_factor"]
     yield from ((key, own[answer]) for answer, key in keys.items() if own[answer] != usual.get(answer))
-    longer, faster = (own[one] / usual[one] for one in ("crank_mm", "speed_rpm"))
+    longer, faster = (own[name] / usual[name] for name in ("crank_mm", "speed_rpm"))
     if (longer, faster) != (1.0, 1.0):
         law = law_keys(LawName(document.at("motion.law")))
         moved = {key: value for key, value in document.data["motion"].items() if key in law.GROWS_WITH_MACHINE}
@@ -168,11 +168,11 @@ def _grown(data: Mapping[str, Any], longer: float, faster: float) -> Iterator[tu
 
     def of_key(key: str, value: Any) -> Any:
         if isinstance(value, dict):
-            return {one: of_key(one, inner) for one, inner in value.items()}
+            return {name: of_key(name, inner) for name, inner in value.items()}
         if key == "polynomial_n":
-            return [_rounded(one / longer**power) for power, one in enumerate(value)]
+            return [_rounded(coefficient / longer**power) for power, coefficient in enumerate(value)]
         if isinstance(value, list):
-            return [of_key(key, one) for one in value]
+            return [of_key(key, item) for item in value]
         unit = next((unit for unit in GROWTH if key.endswith(unit)), None)
         if unit is None:
             return value
@@ -182,8 +182,8 @@ def _grown(data: Mapping[str, Any], longer: float, faster: float) -> Iterator[tu
 
     def changed(path: str, value: Any) -> Iterator[tuple[str, Any]]:
         if isinstance(value, dict):
-            for one, inner in value.items():
-                yield from changed(f"{path}.{one}", inner)
+            for name, inner in value.items():
+                yield from changed(f"{path}.{name}", inner)
         elif (new := of_key(path.rpartition(".")[2], value)) != value:
             yield path, new
 
@@ -340,7 +340,7 @@ def _changed(data: Mapping[str, Any], text: str, answers: Mapping[str, str]) -> 
         if question == FORCE:
             force, *shocks = answer.split("x")
             likely_force, likely_shocks = likely[FORCE].split("x")
-            if len(shocks) > 1 or not all(one.strip() for one in (force, *shocks)):
+            if len(shocks) > 1 or not all(text.strip() for text in (force, *shocks)):
                 raise ValueError(f"{answer} given; a force and a factor as {likely[FORCE]} are right, or a force")
             if _number(force) != float(likely_force):
                 yield from _scaled(data["resistance"], "resistance", _number(force) / float(likely_force))
@@ -367,14 +367,15 @@ def _number(answer: str) -> float:
 
 
 def _names(answer: str) -> Sequence[str]:
-    return [name for one in answer.split(",") if (name := one.strip())]
+    return [name for word in answer.split(",") if (name := word.strip())]
 
 
 def _forces(resistance: Mapping[str, Any], stroke_mm: float) -> Iterator[list[float]]:
     """The force at even places of the stroke, on the way out and back, with friction."""
-    for one in (resistance, resistance.get("returning", {"polynomial_n": [0.0]})):
+    for stroke in (resistance, resistance.get("returning", {"polynomial_n": [0.0]})):
         yield [
-            resistance.get("friction_n", 0.0) + _force(one, place * stroke_mm / PLACES) for place in range(PLACES + 1)
+            resistance.get("friction_n", 0.0) + _force(stroke, place * stroke_mm / PLACES)
+            for place in range(PLACES + 1)
         ]
 
 
@@ -395,5 +396,5 @@ def _scaled(group: Mapping[str, Any], path: str, factor: float) -> Iterator[tupl
         if isinstance(value, dict):
             yield from _scaled(value, f"{path}.{key}", factor)
         elif key in FORCES:
-            each = [whole(float(f"{factor * one:.4g}")) for one in (value if isinstance(value, list) else [value])]
+            each = [whole(float(f"{factor * x:.4g}")) for x in (value if isinstance(value, list) else [value])]
             yield f"{path}.{key}", each if isinstance(value, list) else each[0]

@@ -50,7 +50,7 @@ def as_read(text: str, path: Path) -> str:
     if isinstance(shape, DrawnContour):
         if (unit := getattr(shape, "drawn_in", None)) is not None:
             changes["unit"] = unit
-        chords = sum(len(one.x) - 1 for one in shape.curves or () if one.degree == 1)
+        chords = sum(len(curve.x) - 1 for curve in shape.curves or () if curve.degree == 1)
         if shape.tolerance_mm is None and chords > MANY_CHORDS:
             changes["tolerance_mm"] = SMOOTHED_MM
     elif not shape.in_plane:

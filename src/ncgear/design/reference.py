@@ -135,8 +135,8 @@ def _keys(model: type[BaseModel], above: str, law: str) -> Iterator[Key]:
         path = f"{above}.{name}" if above else name
         yield Key(path, law, model, field)
         inner = models_in(field.annotation)
-        for one in inner:
-            yield from _keys(one, path, law_of(one) if len(inner) > 1 else law)
+        for nested in inner:
+            yield from _keys(nested, path, law_of(nested) if len(inner) > 1 else law)
 
 
 def law_of(model: type[BaseModel]) -> str:
@@ -171,18 +171,18 @@ def allowed(key: Key) -> str:
     """The allowed values of a key, in words."""
     rule = key.rule
     if key.group:
-        names = [_words(one) for one in choices(rule) if "enum" in one]
+        names = [_words(choice) for choice in choices(rule) if "enum" in choice]
         return (
             f"a list{_count(choices(rule)[0])} of groups of keys"
             if is_list(rule)
             else " or ".join([*names, "a group of keys"])
         )
-    return listed(_words(one) for one in choices(rule))
+    return listed(_words(choice) for choice in choices(rule))
 
 
 def choices(rule: dict[str, Any]) -> list[dict[str, Any]]:
     """The rules of each allowed kind of value, without the rule for a missing value."""
-    return [one for one in rule.get("anyOf", [rule]) if one.get("type") != "null"]
+    return [choice for choice in rule.get("anyOf", [rule]) if choice.get("type") != "null"]
 
 
 def is_list(rule: dict[str, Any]) -> bool:
@@ -347,11 +347,11 @@ def _read_template(law: LawName) -> Document:
 
 def _group(key: Key, root: type[Any]) -> str:
     """A group with its required keys, or else its first key; of several models, the model with the fewest keys."""
-    model = min(key.group, key=lambda one: len(fields_of(one)))
+    model = min(key.group, key=lambda model: len(fields_of(model)))
     law = law_of(model) if len(key.group) > 1 else key.law
     keys = [Key(f"{key.path}.{name}", law, model, field) for name, field in fields_of(model).items()]
-    needed = [one for one in keys if one.field.is_required()] or keys[:1]
-    text = "{" + ", ".join(example(one, root) for one in needed) + "}"
+    needed = [key for key in keys if key.field.is_required()] or keys[:1]
+    text = "{" + ", ".join(example(key, root) for key in needed) + "}"
     if not is_list(key.rule):
         return text
     return f"[{', '.join([text] * max(choices(key.rule)[0].get('minItems', 1), 1))}]"

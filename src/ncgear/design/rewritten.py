@@ -106,7 +106,7 @@ def _quoted(text: str, quote: str | None) -> str:
     if quote == "'" and text.isprintable():
         return "'" + text.replace("'", "''") + "'"
     escaped = json.dumps(text, ensure_ascii=False)
-    return re.sub(rf"[{_STRANGE}]", lambda one: f"\\u{ord(one[0]):04x}", escaped)
+    return re.sub(rf"[{_STRANGE}]", lambda character: f"\\u{ord(character[0]):04x}", escaped)
 
 
 @dataclass(frozen=True)
@@ -192,7 +192,7 @@ class _Rewriting:
                 parts[middle - 1], parts[0].start - self._line_start(parts[0].start), map(flow_text, added)
             )
         else:
-            lines = [line for one in added for line in self._lines("-", one, column)]
+            lines = [line for text in added for line in self._lines("-", text, column)]
             self._insert_lines(parts[middle - 1].end, lines)
 
     def _replace(self, part: _Part, new: Any, indent: int, *, in_flow: bool) -> None:
@@ -249,9 +249,9 @@ class _Rewriting:
         found = BREAK.search(self._text, part.end)
         used = (found.start() if found else len(self._text)) - self._line_start(part.end)
         made = ""
-        for one in added:
-            used += len(one) + 2
-            made += f", {one}" if used <= LINE_WIDTH else f",{self._break}{' ' * column}{one}"
+        for text in added:
+            used += len(text) + 2
+            made += f", {text}" if used <= LINE_WIDTH else f",{self._break}{' ' * column}{text}"
         self._edits.append((part.end, part.end, made))
 
     def _insert_lines(self, end: int, lines: Sequence[str]) -> None:
@@ -278,13 +278,13 @@ class _Rewriting:
     def _parts(self, node: Any) -> list[_Part]:
         parts: list[_Part] = []
         end: int = node.start_mark.index
-        for one in node.value:
+        for part in node.value:
             if isinstance(node, MappingNode):
-                key, value = one
+                key, value = part
                 start, sign = key.start_mark.index, re.compile(r"[ \t]*:").match(self._text, key.end_mark.index)
                 after = sign.end() if sign else key.end_mark.index
             else:
-                value = one
+                value = part
                 start = value.start_mark.index if node.flow_style else self._sign(end)
                 after = start if node.flow_style else start + 1
             end = self._end(value, after)
@@ -322,8 +322,8 @@ def _blanks(text: str) -> int:
 def _filled(head: str, items: Sequence[Any], indent: int) -> list[str]:
     """A list in brackets, on lines that are as full as possible."""
     lines = [f"{head}["]
-    for place, one in enumerate(items):
-        written = flow_text(one) + ("," if place < len(items) - 1 else "]")
+    for place, item in enumerate(items):
+        written = flow_text(item) + ("," if place < len(items) - 1 else "]")
         gap = "" if lines[-1].endswith("[") and len(lines) == 1 and place == 0 else " "
         if len(lines[-1]) + len(gap) + len(written) > LINE_WIDTH and place:
             lines.append(" " * indent + written)

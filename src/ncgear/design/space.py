@@ -82,22 +82,22 @@ class Space:
     @property
     def keys(self) -> tuple[str, ...]:
         """The keys that vary."""
-        return tuple(one.key for one in self.varied)
+        return tuple(quantity.key for quantity in self.varied)
 
     @property
     def lists(self) -> tuple[Listed, ...]:
         """The keys with grids or lists; the last key varies fastest in their combinations."""
-        return tuple(one for one in self.varied if isinstance(one, Listed))
+        return tuple(quantity for quantity in self.varied if isinstance(quantity, Listed))
 
     @property
     def ranges(self) -> tuple[Ranged, ...]:
         """The sampled keys, which vary faster than all lists."""
-        return tuple(one for one in self.varied if isinstance(one, Ranged))
+        return tuple(quantity for quantity in self.varied if isinstance(quantity, Ranged))
 
     @property
     def count(self) -> int:
         """The number of designs."""
-        return prod(len(one.values) for one in self.lists) * self.samples
+        return prod(len(quantity.values) for quantity in self.lists) * self.samples
 
     def values(self, first: int, count: int) -> Array:
         """The values of all keys, shape (count, keys), for the designs from number ``first`` on."""
@@ -105,15 +105,15 @@ class Space:
         columns = dict(self._listed(numbers // self.samples))
         if self.ranges:
             shares = self._shares(numbers % self.samples)
-            for one, share in zip(self.ranges, shares.T, strict=True):
-                columns[one.key] = one.low + (one.high - one.low) * share
+            for quantity, share in zip(self.ranges, shares.T, strict=True):
+                columns[quantity.key] = quantity.low + (quantity.high - quantity.low) * share
         return np.column_stack([columns[key] for key in self.keys])
 
     def _listed(self, combination: IndexArray) -> Iterator[tuple[str, Array]]:
         left = combination
-        for one in reversed(self.lists):
-            left, place = np.divmod(left, len(one.values))
-            yield one.key, np.array(one.values)[place]
+        for quantity in reversed(self.lists):
+            left, place = np.divmod(left, len(quantity.values))
+            yield quantity.key, np.array(quantity.values)[place]
 
     def _shares(self, sample: IndexArray) -> Array:
         """Places in the ranges, 0 to 1, shape (n, ranges), of samples with running numbers, which may begin again at 0.
@@ -196,13 +196,13 @@ def space_of(
     Raises WrongInput for a key given twice, a key without a number in the file, ranges without a number of samples or
     the reverse, a range of a key that takes whole numbers only, and too many designs.
     """
-    for one in varied:
-        if sum(other.key == one.key for other in varied) > 1:
-            raise WrongInput(f"{one.key} is given twice; keep one", key=OPTION)
-        _require_number(loaded, one.key)
-    ranges = [one for one in varied if isinstance(one, Ranged)]
-    for one in ranges:
-        _require_fractions(loaded, one)
+    for quantity in varied:
+        if sum(other.key == quantity.key for other in varied) > 1:
+            raise WrongInput(f"{quantity.key} is given twice; keep one", key=OPTION)
+        _require_number(loaded, quantity.key)
+    ranges = [quantity for quantity in varied if isinstance(quantity, Ranged)]
+    for quantity in ranges:
+        _require_fractions(loaded, quantity)
     if ranges and samples is None:
         raise WrongInput(
             f"missing; {ranges[0].key} has a range; give a number of sampled points, as --samples 1024, or give "
@@ -295,7 +295,7 @@ def _annotation_at(root: type[BaseModel], data: Any, key: str) -> Any:
     for part in key.split("."):
         if isinstance(data, list):
             data = data[int(part)]
-            annotation = next(get_args(one)[0] for one in _nested(annotation) if get_origin(one) is tuple)
+            annotation = next(get_args(nested)[0] for nested in _nested(annotation) if get_origin(nested) is tuple)
             continue
         models = models_in(annotation)
         # The law of the file tells which model of ``motion`` has its keys.

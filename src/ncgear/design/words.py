@@ -26,7 +26,7 @@ def folded(names: Iterable[str]) -> list[str]:
     """``names`` once each; an angle with keys for all units is one name: theta1_rad/_deg/_pi."""
     known = set(names := list(names))
     units = "/_".join(UNITS)
-    shown = (f"{quantity(one)}_{units}" if known.issuperset(spellings(quantity(one))) else one for one in names)
+    shown = (f"{quantity(name)}_{units}" if known.issuperset(spellings(quantity(name))) else name for name in names)
     return list(dict.fromkeys(shown))
 
 

@@ -47,7 +47,7 @@ EXCESS = ("#7a2a00", "#d5702a", "#c9ced4", "#3f8cc4", "#004a78")
 def style_of_colors() -> str:
     """The colours as custom properties of CSS, for light and for dark ground."""
     lines = ("".join(f"  --{name}: {color};\n" for name, color in colors.items()) for colors in (LIGHT, DARK))
-    light, dark = (f":root {{\n  color-scheme: light dark;\n{one}}}\n" for one in lines)
+    light, dark = (f":root {{\n  color-scheme: light dark;\n{values}}}\n" for values in lines)
     return f"{light}@media screen and (prefers-color-scheme: dark) {{\n{dark}}}\n"
 
 

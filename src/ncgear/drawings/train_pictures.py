@@ -29,7 +29,7 @@ def train_picture(train: Train, outlines_mm: Mapping[str, Array], driving_rad: f
     made = canvas.figure(WIDTH_IN, HEIGHT_IN, title, canvas.Margins(left=0.7, right=0.2, top=0.5))
     axes = made.add_subplot()
     poses = train.poses_at(np.array([driving_rad]))
-    for number, part in sorted(enumerate(train.parts), key=lambda one: one[1].low_mm):
+    for number, part in sorted(enumerate(train.parts), key=lambda numbered: numbered[1].low_mm):
         _draw(axes, part, outlines_mm[part.name], poses, number, color_of(train, part))
     _draw_traces(axes, train, 3.5)
     axes.set_aspect("equal", adjustable="datalim")
@@ -127,7 +127,7 @@ def train_frames(train: Train, title: str, width_px: int) -> Frames:
     canvas.look_at(axes, (*low, *size))
     _draw_traces(axes, train, 3.0)
     patches = []
-    for number, part in sorted(enumerate(train.parts), key=lambda one: one[1].low_mm):
+    for number, part in sorted(enumerate(train.parts), key=lambda numbered: numbered[1].low_mm):
         color = color_of(train, part)
         face = to_rgba(color, 0.35 if part.teeth else 0.15)
         patch = Polygon(part.outline_mm, closed=True, facecolor=face, edgecolor=color, linewidth=0.8)

@@ -112,9 +112,9 @@ class BearingLife:
 def bearing_forces(loads: ShaftLoads, seats: Seats) -> tuple[ComplexArray, ComplexArray]:
     """The forces as x + i y in N that press on both bearings, shape (n,) each."""
     first, second = (bearing.at_mm for bearing in seats.bearings)
-    pressing = [*(one.force_n for one in loads.gears), loads.crank_n]
+    pressing = [*(gear.force_n for gear in loads.gears), loads.crank_n]
     arms = (at_mm - first for at_mm in (*seats.gears_mm, seats.crank_at_mm))
-    couples = (one.couple_n_mm for one in loads.gears)
+    couples = (gear.couple_n_mm for gear in loads.gears)
     on_second = sum((*(force * arm for force, arm in zip(pressing, arms, strict=True)), *couples)) / (second - first)
     return np.asarray(sum(pressing) - on_second), np.asarray(on_second)
 
@@ -198,11 +198,11 @@ def bending_moment_n_mm(loads: ShaftLoads, seats: Seats, at_mm: float) -> Comple
     """
     on_first, on_second = bearing_forces(loads, seats)
     places = *seats.gears_mm, seats.crank_at_mm, seats.bearings[0].at_mm, seats.bearings[1].at_mm
-    forces = *(one.force_n for one in loads.gears), loads.crank_n, -on_first, -on_second
+    forces = *(gear.force_n for gear in loads.gears), loads.crank_n, -on_first, -on_second
     way = -1.0 if sum(place > at_mm for place in places) >= len(places) / 2 else 1.0
     beyond = (force * max(way * (place - at_mm), 0.0) for place, force in zip(places, forces, strict=True))
     gears = zip(seats.gears_mm, loads.gears, strict=True)
-    couples = (way * one.couple_n_mm for place, one in gears if way * (at_mm - place) < 0.0)
+    couples = (way * gear.couple_n_mm for place, gear in gears if way * (at_mm - place) < 0.0)
     return np.asarray(sum((*couples, *beyond)))
 
 

@@ -71,7 +71,7 @@ class ShaftLoads:
     @property
     def thrust_n(self) -> Array:
         """The force of all gears along the shaft."""
-        return np.asarray(sum(one.thrust_n for one in self.gears))
+        return np.asarray(sum(gear.thrust_n for gear in self.gears))
 
 
 def shafts_of(
@@ -95,8 +95,8 @@ def shafts_of(
             share = float(sum(shares[pair + end :]))
             more = 1.0 + share * np.sign(torques[end])
             torque = with_tooth_friction(torques[end], share)
-            one = GearLoads(sign * force * more, torque, sign * thrust * more, couples[end] * thrust * more)
-            gears[pair + end].append(one)
+            loads = GearLoads(sign * force * more, torque, sign * thrust * more, couples[end] * thrust * more)
+            gears[pair + end].append(loads)
     senses = [places[0].driven_sense * places[0].mesh.sense, *(place.driven_sense for place in places)]
     idle = np.zeros_like(crank_n)
     return tuple(

@@ -124,8 +124,8 @@ def jammed_shaft(jam: Jam, number: int, seats: Seats, section: ShaftSection | No
         safety = section.yield_mpa * resistance_mm3 / strained.value if strained.value else inf
     dents = first.denting_n.value, second.denting_n.value
     static = [
-        None if one.static_rating_n is None else one.static_rating_n / most
-        for one, most in zip(seats.bearings, dents, strict=True)
+        None if bearing.static_rating_n is None else bearing.static_rating_n / most
+        for bearing, most in zip(seats.bearings, dents, strict=True)
     ]
-    turning = tuple(one.value for one in torques)
+    turning = tuple(torque.value for torque in torques)
     return JammedShaft((first.across_n, second.across_n), dents, (static[0], static[1]), safety, turning)

@@ -82,7 +82,7 @@ class Losses:
     @property
     def mesh_shares(self) -> tuple[float, ...]:
         """Shares of its torque's size that friction between the teeth of each pair takes."""
-        return tuple(self.mesh_friction * one for one in self.mesh_loss_factors)
+        return tuple(self.mesh_friction * factor for factor in self.mesh_loss_factors)
 
     @property
     def mesh_share(self) -> float:
@@ -160,7 +160,7 @@ class TouchingTeeth:
         low, high = self.even.rolled_mm[before], self.even.rolled_mm[before] + self.even.step_mm
         for _ in range(HALVINGS if before.size else 0):
             middle = (low + high) / 2.0
-            there = np.concatenate([_pairs(one, side) for one in self.at(middle)])
+            there = np.concatenate([_pairs(arms, side) for arms in self.at(middle)])
             same = there == counts[before]
             low, high = np.where(same, middle, low), np.where(same, high, middle)
         return np.asarray((low + high) / 2.0)
@@ -192,7 +192,7 @@ def mesh_loss_factor(
     kinks = distance * arc.length((breaks_rad + starts[:, None]).ravel())
     points, weights = gauss_points(np.union1d(touching.breaks_mm, kinks[kinks < whole]), NODES)
     blocks = touching.at(points)
-    phi1 = np.concatenate([one.placement.phi1_rad for one in blocks])
+    phi1 = np.concatenate([block.placement.phi1_rad for block in blocks])
     driving, driven = torques(phi1)
     # Rolled length per rad of phi1
     rolled_mm = distance * arc.by_angle.differentiated()(np.mod(phi1, arc.angle_period_rad))

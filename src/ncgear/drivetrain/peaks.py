@@ -54,7 +54,7 @@ def shaft_peaks(cycle: Cycle, shafts: Mapping[int, Seats], wanted: WantedLife) -
             shaft = loads.shafts[number]
             every += borne_sizes(shaft, seats)
             every += (np.abs(bending_moment_n_mm(shaft, seats, at)) for at in places_mm[number])
-            every += (sign * one.torque_n_mm for one in shaft.gears for sign in (-1.0, 1.0))
+            every += (sign * gear.torque_n_mm for gear in shaft.gears for sign in (-1.0, 1.0))
         return np.stack(every)
 
     values = sizes(cycle.loads)

@@ -255,12 +255,12 @@ def _newton_step(beyond: Array, given: Array, slope: Array, within: Array, whole
     u + v: its own equations give u and v, and its addition to a; after all panels a equals s, which gives s.
     """
     shape = within.shape[:2]
-    torque, rising, weight = (one.reshape(shape) for one in (given, slope, whole))
+    torque, rising, weight = (array.reshape(shape) for array in (given, slope, whole))
     before = np.concatenate([[0.0], np.cumsum((weight * torque).sum(axis=1))])
     missed = beyond.reshape(shape) - before[:-1, None] - (within @ torque[:, :, None])[:, :, 0]
     right = np.stack([np.ones(shape), -missed], axis=-1)
     u, v = np.moveaxis(np.linalg.solve(np.eye(NODES) - within * rising[:, None, :], right), -1, 0)
-    grows, adds = ((weight * rising * one).sum(axis=1) for one in (u, v))
+    grows, adds = ((weight * rising * term).sum(axis=1) for term in (u, v))
     # a after the panels, as a share of s and a rest.
     shares, rests = np.ones(shape[0] + 1), np.zeros(shape[0] + 1)
     for panel in range(shape[0]):

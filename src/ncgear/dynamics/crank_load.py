@@ -44,8 +44,8 @@ def reduced_inertia(moving: Sequence[MovingMass], masses: Masses) -> tuple[Array
     ``moving`` are all masses that do not turn with the crank; their places need derivatives of order 2 by its angle.
     """
     each = [
-        one.mass_kg * (_squared(one.center.x) + _squared(one.center.y)) + one.inertia_kg_mm2 * _squared(one.angle)
-        for one in moving
+        body.mass_kg * (_squared(body.center.x) + _squared(body.center.y)) + body.inertia_kg_mm2 * _squared(body.angle)
+        for body in moving
     ]
     whole = reduce(add, each) + masses.crank_shaft_kg_mm2
     return whole.value, whole.derivative(1)
@@ -242,6 +242,6 @@ def _potential(moving: Sequence[MovingMass], masses: Masses) -> Jet:
     """Potential energy of the weights in N mm."""
     along, across = masses.gravity_m_s2
     total = 0.0 * moving[0].angle
-    for one in moving:
-        total = total - one.mass_kg * (along * one.center.x + across * one.center.y)
+    for body in moving:
+        total = total - body.mass_kg * (along * body.center.x + across * body.center.y)
     return total

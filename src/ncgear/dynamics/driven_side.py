@@ -221,7 +221,7 @@ class Way:
         order = np.argsort(own[counted])
         torque, speed = torques[:, counted][:, order], np.abs(speeds[counted][order])
         met = begin + 1 + np.flatnonzero((torque[NORMAL, :-1] == 0.0) & (torque[NORMAL, 1:] > 0.0))
-        knocks = [knock for one in met for knock in self.knocks(int(one), float(speed[one - begin]))]
+        knocks = [knock for number in met for knock in self.knocks(int(number), float(speed[number - begin]))]
         return FollowedStretch(self.phi1_rad[begin + 1 : end + 1], torque, knocks)
 
     def resting(self, places: IndexArray, flank: Array) -> Array:
@@ -230,7 +230,7 @@ class Way:
         rows, impact, pushed = self.row[steps], self.meshing.impact, flank >= 0.0
         first, side = np.where(pushed, self.free[0][steps], self.free[1][steps]), np.where(pushed, 1.0, -1.0)
         load, pairs = self.asked[places] * side, self.table[:, :, rows]
-        arm, _, stiffness, *_ = np.where(pushed, *(one[rows, 0].T for one in self.sides))
+        arm, _, stiffness, *_ = np.where(pushed, *(side[rows, 0].T for side in self.sides))
         # The first pair alone bears the load at this depth; friction may take a part of it.
         alone = (np.maximum(load, 0.0) / (np.abs(arm) * stiffness)) ** (1.0 / impact.exponent) / np.abs(arm)
         shallow, deep = 0.0 * alone, 2.0 * alone
@@ -345,7 +345,7 @@ class Ways:
         if number not in self.known:
             if len(self.known) == KEPT:
                 del self.known[next(iter(self.known))]
-            begin, end = (self.begin_rad + one * self.width_rad for one in (number, number + 1))
+            begin, end = (self.begin_rad + place * self.width_rad for place in (number, number + 1))
             self.known[number] = self.made(begin, end)
         return self.known[number]
 

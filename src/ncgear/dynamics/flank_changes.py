@@ -120,7 +120,7 @@ class BorneTorque:
 
         The torques are as ``at``, of either sign; shape (m,) each.
         """
-        own = np.unique(np.concatenate([one.phi1_rad for one in (self, *self.others)]) % self.cycle_rad)
+        own = np.unique(np.concatenate([torques.phi1_rad for torques in (self, *self.others)]) % self.cycle_rad)
         if not own.size:
             return own, own
         torque = self.at(own)
@@ -146,8 +146,8 @@ class BorneTorque:
 
     def _larger(self, phi1_rad: Array, asked: Array, row: int) -> Array:
         torque = asked
-        for one in (self, *self.others):
-            again = one._own(phi1_rad, asked, row)
+        for torques in (self, *self.others):
+            again = torques._own(phi1_rad, asked, row)
             torque = np.where(np.abs(again) > np.abs(torque), again, torque)
         return torque
 
@@ -214,14 +214,14 @@ def borne_torque(
 
     found = once(ways)
     if whole and meshing.gaps.come_and_go:
-        ends = [float(one.phi1_rad[-1]) for one in found]
-        begins = [*(float(one.phi1_rad[0]) for one in found[1:]), float(starts[0]) + cycle_rad]
+        ends = [float(stretch.phi1_rad[-1]) for stretch in found]
+        begins = [*(float(stretch.phi1_rad[0]) for stretch in found[1:]), float(starts[0]) + cycle_rad]
         settled = [ways.settled(end, begin) for end, begin in zip(ends, begins, strict=True)]
-        found = [each for one, after in zip(found, settled, strict=True) for each in (one, *after)]
+        found = [each for stretch, after in zip(found, settled, strict=True) for each in (stretch, *after)]
     followed = joined(found, asked, cycle_rad)
     if not followed.knocks:
         return followed if whole else BorneTorque(asked, cycle_rad, knocks=(), slow_swings=slow)
-    return replace(followed, others=tuple(joined(once(ways.with_play(one)), asked, cycle_rad) for one in plays))
+    return replace(followed, others=tuple(joined(once(ways.with_play(play)), asked, cycle_rad) for play in plays))
 
 
 def turns_of(torques: Array, most_n_mm: Array, steps: Array) -> tuple[IndexArray, Array]:
@@ -231,7 +231,7 @@ def turns_of(torques: Array, most_n_mm: Array, steps: Array) -> tuple[IndexArray
     place.  With swings of w rad/s the driven side deviates from T by T'' / w^2, and swings by dT' / w after a kink.
     """
     most, jump = most_n_mm[:, None], np.roll(torques, -1, axis=1) - torques
-    flanks = np.stack([flanks_of(one, IDLE * float(top)) for one, top in zip(torques, most_n_mm, strict=True)])
+    flanks = np.stack([flanks_of(torque, IDLE * float(top)) for torque, top in zip(torques, most_n_mm, strict=True)])
     hurried = np.abs(np.roll(jump, -1, axis=1) - jump) > SETTLED * most * np.minimum(steps, steps**2)
     turned = (flanks != np.roll(flanks, -1, axis=1)) | (np.abs(jump) > JUMP * most) | hurried
     return np.flatnonzero(turned.any(axis=0)), flanks
@@ -276,12 +276,12 @@ def flanks_of(torque: Array, idle: float) -> Array:
 def joined(found: list[FollowedStretch], asked: Callable[[Array], Array], cycle_rad: float) -> BorneTorque:
     """Stretches one after the other, with the knocks of the last cycle."""
     end_rad, phi1, torque = float(found[-1].phi1_rad[-1]), list[Array](), list[Array]()
-    for one in found:
+    for stretch in found:
         if phi1:
-            phi1.append(np.array([(phi1[-1][-1] + one.phi1_rad[0]) / 2.0]))
+            phi1.append(np.array([(phi1[-1][-1] + stretch.phi1_rad[0]) / 2.0]))
             torque.append(np.full((2, 1), np.nan))
-        phi1.append(one.phi1_rad)
-        torque.append(one.torque_n_mm)
-    every = [knock for one in found for knock in one.knocks if knock.phi1_rad > end_rad - cycle_rad]
+        phi1.append(stretch.phi1_rad)
+        torque.append(stretch.torque_n_mm)
+    every = [knock for stretch in found for knock in stretch.knocks if knock.phi1_rad > end_rad - cycle_rad]
     knocks = tuple(replace(knock, phi1_rad=knock.phi1_rad % cycle_rad) for knock in every)
     return BorneTorque(asked, cycle_rad, np.concatenate(phi1), np.concatenate(torque, axis=1), knocks)

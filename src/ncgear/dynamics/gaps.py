@@ -246,13 +246,13 @@ class Gaps:
         """The pairs of several sections with the same positions, side by side in the slots."""
         if len(parts) == 1:
             return parts[0]
-        breaks, tables = parts[0].table.breaks, [one.table.coefficients for one in parts]
+        breaks, tables = parts[0].table.breaks, [part.table.coefficients for part in parts]
         return cls(
             PeriodicTable(breaks, np.concatenate(tables, axis=2)),
-            np.concatenate([one.urge for one in parts], axis=1),
-            np.concatenate([one.pair for one in parts], axis=1),
-            np.min([one.reach_rad for one in parts], axis=0),
-            np.repeat(np.arange(len(parts)), [one.section.size for one in parts]),
+            np.concatenate([part.urge for part in parts], axis=1),
+            np.concatenate([part.pair for part in parts], axis=1),
+            np.min([part.reach_rad for part in parts], axis=0),
+            np.repeat(np.arange(len(parts)), [part.section.size for part in parts]),
         )
 
     @property
@@ -348,7 +348,7 @@ def gaps_of(
     the other.
     """
     placement, met = _met(teeth, pitch, per_tooth, tuple(sides), within_modules)
-    rows = [replace(one, values=np.column_stack([one.values, stiffness(places)])) for one, places in met]
+    rows = [replace(meeting, values=np.column_stack([meeting.values, stiffness(places)])) for meeting, places in met]
     return _slotted(_all_round(Rows.joined(rows), placement, repeat_of(teeth, placement)).in_order(), placement)
 
 
@@ -372,7 +372,7 @@ def _met(
     placement = placed(pitch, per_tooth)
     within_mm = within_modules * teeth.driving.flanks.rack.module_mm
     found = first_within(teeth, placement, within_mm, sides, repeat_of(teeth, placement))
-    return placement, [_rows(one, float(URGE[side]), placement) for one, side in zip(found, sides, strict=True)]
+    return placement, [_rows(ends, float(URGE[side]), placement) for ends, side in zip(found, sides, strict=True)]
 
 
 def _rows(contacts: Contacts, urge: float, placement: Placement) -> tuple[Rows, PairPlaces]:

@@ -91,7 +91,7 @@ class History:
     @property
     def forces(self) -> Mapping[str, Vector]:
         """The forces in the joints and between the teeth, by the names that columns and figures give them."""
-        meshes = [*(one.mesh for one in self.before), self.mesh]
+        meshes = [*(pair.mesh for pair in self.before), self.mesh]
         first = {f"{MESH_BEFORE} {pair}": mesh for pair, mesh in enumerate(meshes[:-1])}
         between = {f"{BETWEEN_BEARING} {pair}": two - one for pair, (one, two) in enumerate(pairwise(meshes))}
         return {**self.joints.joints, CRANK_BEARING: self.crank_bearing, "mesh": self.mesh, **first, **between}
@@ -235,8 +235,11 @@ def motion_peaks(course: Course, rigid: RigidMachine, on_share: Callable[[float]
         return np.stack(list(_sizes(history(course, rigid, time_s)).values()))
 
     found = largest_of_each(sizes, places)
-    phi1 = course.at(np.array([one.at for one in found]))[0]
-    peaks = {name: Peak(one.value, one.at, float(angle)) for name, one, angle in zip(names, found, phi1, strict=True)}
+    phi1 = course.at(np.array([extremum.at for extremum in found]))[0]
+    peaks = {
+        name: Peak(extremum.value, extremum.at, float(angle))
+        for name, extremum, angle in zip(names, found, phi1, strict=True)
+    }
     forces = {name.removesuffix(FORCE): peaks.pop(name) for name in names if name.endswith(FORCE)}
     braking = peaks.pop("least_torque_n_mm")
     least = Peak(0.0 - braking.value, braking.time_s, braking.phi1_rad)
@@ -260,8 +263,8 @@ def _sizes(shown: History) -> dict[str, Array]:
         "least_torque_n_mm": -shown.torque_n_mm,
         **{
             f"{BEFORE}{pair} {side}": force
-            for pair, one in enumerate(shown.before)
-            for side, force in enumerate((one.pushing_n, one.back_n))
+            for pair, pair_forces in enumerate(shown.before)
+            for side, force in enumerate((pair_forces.pushing_n, pair_forces.back_n))
         },
         **{name + FORCE: np.hypot(force.x, force.y) for name, force in shown.forces.items()},
     }

@@ -57,7 +57,7 @@ class KnockingMachine:
         """The loads at driving angles in rad, shape (n,)."""
         *before, last = zip(self.borne, self.rigid.angles(phi1_rad, 0), strict=False)
         beyond = last[0].beyond(last[1].value)
-        return hurried_loads(self.rigid, phi1_rad, beyond, [one.turning(turned.value) for one, turned in before])
+        return hurried_loads(self.rigid, phi1_rad, beyond, [pair.turning(turned.value) for pair, turned in before])
 
     @property
     def turns_rad(self) -> Array:

@@ -63,7 +63,7 @@ class Loads:
     @property
     def between_bearings(self) -> tuple[Vector, ...]:
         """The forces of their bearings on the shafts between pairs of gears, from the driving shaft on."""
-        return tuple(after.force - one.force for one, after in pairwise(self.meshes))
+        return tuple(after.force - mesh.force for mesh, after in pairwise(self.meshes))
 
     @property
     def meshes(self) -> tuple[MeshForce, ...]:
@@ -124,7 +124,7 @@ class RigidMachine:
         slope, torque = (of_law or driven_angle).differentiated(), joints.torque_n_mm
         between = turned_after(self.laws_before, phi1, driven_angle.order)
         passed = self._passed(slope.truncated(torque.order) * torque, between, pace)
-        knocked = [Jet((one * angle.derivative(1))[None]) for one, angle in zip(borne, between, strict=False)]
+        knocked = [Jet((torque * angle.derivative(1))[None]) for torque, angle in zip(borne, between, strict=False)]
         passed = (*knocked, *passed[len(knocked) :])
         mesh, meshes_before = self.meshes(slope, torque, between, passed)
         return Loads(

@@ -268,7 +268,7 @@ def near_sides(
         turning = (arm + rub * near.driven_mm) if turned is Gear.DRIVEN else (slope * arm + rub * near.driving_mm)
         columns = arm, near.error_rad, near.stiffness, near.slopes[0] * speed, np.where(arm, turning, 0.0)
         sides.append(np.stack(columns, axis=-1))
-    levers = np.max([np.abs(one[..., 0]).max(axis=-1) for one in sides], axis=0)
+    levers = np.max([np.abs(side[..., 0]).max(axis=-1) for side in sides], axis=0)
     return (sides[0], sides[1]), levers
 
 

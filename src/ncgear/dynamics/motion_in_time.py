@@ -114,7 +114,7 @@ class ToothedMachine:
         """Each pair, from the driving shaft on, with its own shafts in states of shape (6 + 2 between, ...)."""
         shafts = [states[row : row + 2] for row in self.rows[::2]]
         meshings = (*self.before, self.meshing)
-        return [(one, TwoShafts(*ends[0], *ends[1])) for one, ends in zip(meshings, pairwise(shafts), strict=True)]
+        return [(teeth, TwoShafts(*ends[0], *ends[1])) for teeth, ends in zip(meshings, pairwise(shafts), strict=True)]
 
     def law_rad(self, phi1_rad: Array) -> Array:
         """The law's angle of the last driven gear at driving angles, of any shape."""
@@ -352,7 +352,7 @@ def _powers(machine: ToothedMachine, moving: PiecewiseChebyshev, time_s: Array) 
         states = moving(time_s.ravel()[rows]).T
         answer = machine.answer(states)
         powers[0, rows] = answer.torque_n_mm * states[1]
-        powers[1, rows] = np.sum([one.loss_n_mm_s.sum(axis=-1) for one in answer.teeth], axis=0)
+        powers[1, rows] = np.sum([teeth.loss_n_mm_s.sum(axis=-1) for teeth in answer.teeth], axis=0)
     return powers.reshape(2, *time_s.shape)
 
 

@@ -147,7 +147,7 @@ class TrainByState(StateByState):
         between_n_mm_s2: Sequence[float],
     ) -> None:
         super().__init__(answers, 0.0, meshing, load)
-        self._meshes = [*(StateByState(answers, 0.0, one, load) for one in before), self]
+        self._meshes = [*(StateByState(answers, 0.0, mesh, load) for mesh in before), self]
         self._between = between_n_mm_s2
 
     def change(self, state: Array) -> Array:

@@ -84,7 +84,7 @@ def load_peaks(rigid: RigidMachine) -> LoadPeaks:
         return [loads.guide * loads.guide, *squares, *(mesh.size_n for mesh in loads.meshes)]
 
     each = [[(high, part[0]) for _, high in ranges_on(rigid, part, sizes)] for part in broken_cycle(rigid)]
-    highest = [max(found, key=lambda one: one[0].value) for found in zip(*each, strict=True)]
+    highest = [max(found, key=lambda peak: peak[0].value) for found in zip(*each, strict=True)]
     count = len(highest) - len(rigid.places)
     meshes = [(peak, rigid.on(stretch, np.array([peak.at]))) for peak, stretch in highest[count:]]
     return _named([Extremum(sqrt(peak.value), peak.at) for peak, _ in highest[:count]], linkage, meshes)
@@ -101,7 +101,7 @@ def searched_peaks(at: Callable[[Array], Loads], linkage: Mechanism, places_rad:
 
     found = largest_of_each(sizes, places_rad)
     count = len(found) - len(at(places_rad[:1]).meshes)
-    return _named(found[:count], linkage, [(one, at(np.array([one.at]))) for one in found[count:]])
+    return _named(found[:count], linkage, [(extremum, at(np.array([extremum.at]))) for extremum in found[count:]])
 
 
 def _forces(loads: Loads, linkage: Mechanism) -> list[Vector]:

@@ -208,7 +208,7 @@ class KnockingTrain:
         return 2.0 * pi / (PER_SWING * fastest(self._at(phi1_rad + way * np.linspace(0.0, 1.0, PER_SWING))))
 
     def _stepped(
-        self, state: _State, near: list[list[Sequence[NearPairs]]], along: _Places, part: slice, step_s: float
+        self, state: _State, near: Sequence[Sequence[Sequence[NearPairs]]], along: _Places, part: slice, step_s: float
     ) -> tuple[Array, _State, list[tuple[int, int, float]]]:
         """The torques borne after each of the HELD steps of n rows, shape (2, q, n HELD), and the last state.
 

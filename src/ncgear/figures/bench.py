@@ -34,9 +34,9 @@ def _stage_figures(stage: BenchStage) -> dict[str, Any]:
 def bench_csv(stages: Sequence[BenchStage]) -> str:
     """A row for each trial; ``recommended`` is 1 for the recommended trial, else 0."""
     told = (
-        vars(of) | vars(one) | {"stage": of.name, "recommended": int(one is of.recommended)}
+        vars(of) | vars(trial) | {"stage": of.name, "recommended": int(trial is of.recommended)}
         for of in stages
-        for one in of.trials
+        for trial in of.trials
     )
     return rows_text(COLUMNS, ([row[column] for column in COLUMNS] for row in told))
 

@@ -217,12 +217,12 @@ def other_mechanisms(beside: SoughtMachine) -> list[OtherMechanism]:
     named = {"uniform crank": beside.uniform_figures}
     if beside.given_figures is not None and beside.design.motion.law != "uniform_crank":
         named = {"design as given": beside.given_figures, **named}
-    found = [OtherMechanism(name, one.peak_power_w, one.peak_acceleration_mm_s2) for name, one in named.items()]
+    found = [OtherMechanism(name, check.peak_power_w, check.peak_acceleration_mm_s2) for name, check in named.items()]
     comparison = beside.design.comparison
     for published in comparison.published if comparison else ():
-        one = published.at_speed(beside.design.operation.speed_rpm)
-        if one.peak_power_w is not None and one.peak_acceleration_mm_s2 is not None:
-            found.append(OtherMechanism(one.name, one.peak_power_w, one.peak_acceleration_mm_s2))
+        slower = published.at_speed(beside.design.operation.speed_rpm)
+        if slower.peak_power_w is not None and slower.peak_acceleration_mm_s2 is not None:
+            found.append(OtherMechanism(slower.name, slower.peak_power_w, slower.peak_acceleration_mm_s2))
     return found
 
 
@@ -279,14 +279,14 @@ def flywheel_csv(found: Sequence[FlywheelPoint]) -> str:
     """One line for each size of the flywheel on the driven shaft."""
     rows = [
         {
-            "flywheel_kg_mm2": one.flywheel_kg_mm2,
-            "limit_power_w": one.limit_w,
-            "law_power_w": one.law.peak_power_w,
-            "law_braking_power_w": one.law.braking_power_w,
-            "law_acceleration_mm_s2": one.law.peak_acceleration_mm_s2,
-            "law_tangent_deg": degrees(one.law.tangent_rad),
+            "flywheel_kg_mm2": point.flywheel_kg_mm2,
+            "limit_power_w": point.limit_w,
+            "law_power_w": point.law.peak_power_w,
+            "law_braking_power_w": point.law.braking_power_w,
+            "law_acceleration_mm_s2": point.law.peak_acceleration_mm_s2,
+            "law_tangent_deg": degrees(point.law.tangent_rad),
         }
-        for one in found
+        for point in found
     ]
     return rows_text(tuple(rows[0]), (list(row.values()) for row in rows))
 
@@ -300,11 +300,11 @@ def flywheel_figures(found: Sequence[FlywheelPoint], design: Design) -> dict[str
         "argument_of_limit": ARGUMENT,
         "points": [
             {
-                "driven_flywheel_kg_mm2": one.flywheel_kg_mm2,
-                "limit_power_w": one.limit_w,
-                "law": figures_summary(one.law),
-                "gap": one.law.peak_power_w / one.limit_w - 1.0 if one.limit_w > 0.0 else None,
+                "driven_flywheel_kg_mm2": point.flywheel_kg_mm2,
+                "limit_power_w": point.limit_w,
+                "law": figures_summary(point.law),
+                "gap": point.law.peak_power_w / point.limit_w - 1.0 if point.limit_w > 0.0 else None,
             }
-            for one in found
+            for point in found
         ],
     }

@@ -28,7 +28,7 @@ def compared_figures(pair: ComparedPair, name: str) -> dict[str, Any]:
     least, (driving, driven) = measured.backlash_rad.low, measured.tightest_teeth
     return {
         "design": {"name": name},
-        **{one.gear.value: gear_figures(one) for one in pair.gears},
+        **{gear.gear.value: gear_figures(gear) for gear in pair.gears},
         "contact": {
             "positions": pair.placement.count,
             "least_play_rad": least.value,
@@ -38,7 +38,7 @@ def compared_figures(pair: ComparedPair, name: str) -> dict[str, Any]:
             "least_play_driven_tooth": driven,
             "transmission_error_rad": measured.transmission_error_rad,
             "transmission_error_exact_rad": exact.transmission_error_rad,
-            "jams": [{"driving_tooth": one, "driven_tooth": other} for one, other in pair.jams],
+            "jams": [{"driving_tooth": driving, "driven_tooth": other} for driving, other in pair.jams],
             "needed_backlash_mm": pair.needed_backlash_mm,
             "driving_tip_clearance_mm": known(pair.measured.driving_tips_mm),
             "driven_tip_clearance_mm": known(pair.measured.driven_tips_mm),
@@ -46,10 +46,10 @@ def compared_figures(pair: ComparedPair, name: str) -> dict[str, Any]:
     }
 
 
-def gear_figures(one: ComparedGear) -> dict[str, Any]:
+def gear_figures(gear: ComparedGear) -> dict[str, Any]:
     """The fit of a gear, its worst deviations, and what its points miss."""
-    fit, found = one.fit, one.deviations
-    metal = fit.counted | is_metal(one.outline, fit)
+    fit, found = gear.fit, gear.deviations
+    metal = fit.counted | is_metal(gear.outline, fit)
     flanks, thickness = found.flanks, found.thickness_mm[np.isfinite(found.thickness_mm)]
     shift = fit.pose.shift_mm
     moved = {"shift_x_mm": shift.real, "shift_y_mm": shift.imag, "shift_standard_deviation_mm": fit.shift_error_mm}
@@ -66,17 +66,17 @@ def gear_figures(one: ComparedGear) -> dict[str, Any]:
     }
     ends: dict[str, Callable[[Array], Any]] = {"mean": np.mean, "least": np.min, "greatest": np.max}
     return {
-        "file": one.file.file,
-        "points": len(one.file.lines),
+        "file": gear.file.file,
+        "points": len(gear.file.lines),
         "points_on_flanks": int(np.count_nonzero(fit.counted)),
         "points_on_root": found.beside["root"],
         "points_on_tip": found.beside["tip"],
         "points_astray": found.beside["astray"],
         "points_alone": int(np.count_nonzero(fit.alone)),
-        "points_not_judged": int(np.count_nonzero(metal & ~are_judged(one.outline, fit.feet))),
-        "points_rough": rough_points(one.outline, fit.feet),
-        "alone": [vars(point) for point in alone_points(one)],
-        "flanks": [dict(zip(COLUMNS[1:], row[1:], strict=True)) for row in _rows(one)],
+        "points_not_judged": int(np.count_nonzero(metal & ~are_judged(gear.outline, fit.feet))),
+        "points_rough": rough_points(gear.outline, fit.feet),
+        "alone": [vars(point) for point in alone_points(gear)],
+        "flanks": [dict(zip(COLUMNS[1:], row[1:], strict=True)) for row in _rows(gear)],
         "teeth_with_missing_points": found.missing_teeth,
         "turned_rad": fit.pose.angle_rad,
         "turned_standard_deviation_rad": fit.angle_error_rad,
@@ -102,16 +102,16 @@ class AlonePoint:
     off_mm: float
 
 
-def alone_points(one: ComparedGear) -> list[AlonePoint]:
+def alone_points(gear: ComparedGear) -> list[AlonePoint]:
     """The points that stand alone, the farthest first."""
-    fit, outline = one.fit, one.outline
+    fit, outline = gear.fit, gear.outline
     found = np.flatnonzero(fit.alone)
     flank, part = (values[fit.feet.row[found]] for values in (outline.flank, outline.part))
     angle = np.degrees(np.angle(fit.feet.point[found]))
     places = {TIP_LAND_CURVE: "tip"}
     return [
         AlonePoint(
-            one.file.lines[row],
+            gear.file.lines[row],
             int(flank[number]) // 2 + 1,
             SIDES[flank[number] % 2] if part[number] == FLANK_CURVE else places.get(int(part[number]), "root"),
             float(angle[number]),
@@ -127,28 +127,28 @@ COLUMNS = ("gear", "tooth", "side", "points", *DEVIATIONS, "thickness_mm")
 
 def compared_csv(pair: ComparedPair) -> str:
     """A row for each flank; cells are empty where its points do not tell."""
-    return rows_text(COLUMNS, (row for one in pair.gears for row in _rows(one)))
+    return rows_text(COLUMNS, (row for gear in pair.gears for row in _rows(gear)))
 
 
-def _rows(one: ComparedGear) -> Iterable[list[object]]:
-    flanks = one.deviations.flanks
+def _rows(gear: ComparedGear) -> Iterable[list[object]]:
+    flanks = gear.deviations.flanks
     columns: list[Array] = [getattr(flanks, name) for name in DEVIATIONS]
     for flank in range(flanks.points.size):
         values = [known(column[flank]) for column in columns]
-        thickness = known(one.deviations.thickness_mm[flank // 2])
-        yield [one.gear.value, flank // 2 + 1, SIDES[flank % 2], int(flanks.points[flank]), *values, thickness]
+        thickness = known(gear.deviations.thickness_mm[flank // 2])
+        yield [gear.gear.value, flank // 2 + 1, SIDES[flank % 2], int(flanks.points[flank]), *values, thickness]
 
 
-def points_csv(one: ComparedGear) -> str:
+def points_csv(gear: ComparedGear) -> str:
     """All points of a gear in its own frame with their deviations, in the order of the file.
 
     ``flank`` is the number of the tooth with the sign of the side (+ front, - back), 0 of points that are on no working
     flank or stand alone; ``alone_mm`` is how far these stand off, 0 of the others.
     """
-    feet, fit = one.fit.feet, one.fit
-    flank = one.outline.flank[feet.row]
+    feet, fit = gear.fit.feet, gear.fit
+    flank = gear.outline.flank[feet.row]
     tooth = np.where(fit.counted, (flank // 2 + 1) * np.where(flank % 2 == 1, 1, -1), 0)
-    columns = [np.array(one.file.lines), feet.point.real, feet.point.imag, feet.distance_mm, tooth, fit.alone_mm]
+    columns = [np.array(gear.file.lines), feet.point.real, feet.point.imag, feet.distance_mm, tooth, fit.alone_mm]
     return csv_text(("line", "x_mm", "y_mm", "deviation_mm", "flank", "alone_mm"), columns)
 
 
@@ -163,29 +163,30 @@ MOST_TEETH = 5
 
 def compared_answer(pair: ComparedPair, name: str, fit: FittedQuantities, then: str) -> Answer:
     """Deviations of each gear in columns, the contact of both, and where they jam."""
-    found = [gear_figures(one) for one in pair.gears]
+    found = [gear_figures(gear) for gear in pair.gears]
     tolds = {
-        "points on flanks": [f"{one['points_on_flanks']} of {one['points']}" for one in found],
-        "turned by": [f"{fixed(degrees(one.fit.pose.angle_rad), 4)} deg" for one in pair.gears],
+        "points on flanks": [f"{gear['points_on_flanks']} of {gear['points']}" for gear in found],
+        "turned by": [f"{fixed(degrees(gear.fit.pose.angle_rad), 4)} deg" for gear in pair.gears],
         "axis at": [
-            f"{fixed(one['shift_x_mm'], 4)}, {fixed(one['shift_y_mm'], 4)} mm"
-            for one in found
+            f"{fixed(gear['shift_x_mm'], 4)}, {fixed(gear['shift_y_mm'], 4)} mm"
+            for gear in found
             if fit is FittedQuantities.RIGID
         ],
-        "r.m.s. deviation": [length_words(one["rms_mm"]) for one in found],
+        "r.m.s. deviation": [length_words(gear["rms_mm"]) for gear in found],
         **{
             name: [
-                " / ".join(length_words(one[f"{name.replace(' ', '_')}_{side}_mm"]) for side in SIDES) for one in found
+                " / ".join(length_words(gear[f"{name.replace(' ', '_')}_{side}_mm"]) for side in SIDES)
+                for gear in found
             ]
             for name in ("single pitch", "cumulative pitch", "profile slope", "profile form")
         },
-        "thickness, mean": [length_words(one["thickness_mean_mm"]) for one in found],
+        "thickness, mean": [length_words(gear["thickness_mean_mm"]) for gear in found],
         "thickness, range": [
-            " to ".join(length_words(one[f"thickness_{end}_mm"]) for end in ("least", "greatest")) for one in found
+            " to ".join(length_words(gear[f"thickness_{end}_mm"]) for end in ("least", "greatest")) for gear in found
         ],
     }
     play, exact_play = (_play(pair, measured=measured) for measured in (True, False))
-    heads = tuple(one.gear.value for one in pair.gears)
+    heads = tuple(gear.gear.value for gear in pair.gears)
     # A single column stands under its head as several do.
     empty = ("",) if len(heads) == 1 else ()
     rows = (
@@ -196,7 +197,7 @@ def compared_answer(pair: ComparedPair, name: str, fit: FittedQuantities, then: 
     return Answer(
         f"{name}: measured gears against the exact gears, best fit by {fit.value}",
         rows,
-        (*_jams(pair), *(fault for one in pair.gears for fault in (*_missing(one), *_alone(one)))),
+        (*_jams(pair), *(fault for gear in pair.gears for fault in (*_missing(gear), *_alone(gear)))),
         "Deviations are positive where there is metal in excess; back and front flanks are told apart",
         heads=(*heads, *empty),
         good="The pair as measured turns; all flanks were measured.",
@@ -215,7 +216,9 @@ def _play(pair: ComparedPair, *, measured: bool) -> str:
 
 def _errors(pair: ComparedPair) -> str:
     key = "transmission_error_rad"
-    measured, exact = (figure(key, one.transmission_error_rad) for one in (pair.measured_extremes, pair.exact_extremes))
+    measured, exact = (
+        figure(key, ends.transmission_error_rad) for ends in (pair.measured_extremes, pair.exact_extremes)
+    )
     return f"{measured}; {exact} of the exact outlines"
 
 
@@ -229,11 +232,11 @@ def _jams(pair: ComparedPair) -> list[Fault]:
     return [Fault(what, (f"gears.backlash_mm: {to_digits(pair.needed_backlash_mm, 2)} more", "more backlash"))]
 
 
-def _missing(one: ComparedGear) -> list[Fault]:
-    teeth = one.deviations.missing_teeth
+def _missing(gear: ComparedGear) -> list[Fault]:
+    teeth = gear.deviations.missing_teeth
     if not teeth:
         return []
-    what = f"{one.gear.value} gear: flanks without points at {len(teeth)} teeth ({_first(teeth)}), taken as exact"
+    what = f"{gear.gear.value} gear: flanks without points at {len(teeth)} teeth ({_first(teeth)}), taken as exact"
     return [Fault(what, ("measure them",))]
 
 
@@ -241,14 +244,14 @@ def _first(teeth: list[int]) -> str:
     return ", ".join(map(str, teeth[:MOST_TEETH])) + (" ..." if len(teeth) > MOST_TEETH else "")
 
 
-def _alone(one: ComparedGear) -> list[Fault]:
-    points = alone_points(one)
+def _alone(gear: ComparedGear) -> list[Fault]:
+    points = alone_points(gear)
     if not points:
         return []
     teeth = list(dict.fromkeys(point.tooth for point in points))
     many = f"{len(points)} points stand" if len(points) > 1 else "1 point stands"
     off, at = micrometres(abs(points[0].off_mm)), "teeth" if len(teeth) > 1 else "tooth"
-    what = f"{one.gear.value} gear: {many} alone, by up to {off} at {at} {_first(teeth)}; not counted"
+    what = f"{gear.gear.value} gear: {many} alone, by up to {off} at {at} {_first(teeth)}; not counted"
     return [Fault(what, ("clean it and measure again", "measured.json has each"))]
 
 
@@ -256,7 +259,7 @@ def _not_judged(pair: ComparedPair, found: list[dict[str, Any]]) -> str:
     """Points that are taken as metal since too few are beside them, or since too many stand off."""
 
     def named(key: str) -> str:
-        each = [(one.gear.value, told[key]) for one, told in zip(pair.gears, found, strict=True)]
+        each = [(gear.gear.value, told[key]) for gear, told in zip(pair.gears, found, strict=True)]
         return ", ".join(f"{many} of the {gear} gear" for gear, many in each if many)
 
     few, rough = named("points_not_judged"), named("points_rough")

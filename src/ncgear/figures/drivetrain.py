@@ -27,7 +27,11 @@ def drivetrain_figures(found: DrivetrainResult) -> dict[str, Any]:
     """
     return {
         "losses": _losses(found),
-        **{one.words.replace(" ", "_"): _shaft(one) for one in found.shafts if one is not None and one.bearings},
+        **{
+            shaft.words.replace(" ", "_"): _shaft(shaft)
+            for shaft in found.shafts
+            if shaft is not None and shaft.bearings
+        },
         "flywheel": _flywheel(found),
         **({"motor": _motor(found.motor)} if found.motor else {}),
         **({"pto": _pto(found.pto, found.demand)} if found.pto else {}),
@@ -56,7 +60,7 @@ def _losses(found: DrivetrainResult) -> dict[str, Any]:
 def _shaft(found: ShaftResult) -> dict[str, Any]:
     bearings = found.bearings or ()
     told: dict[str, Any] = {
-        name: _bearing(one) for name, one in zip(("bearing_a", "bearing_b"), bearings, strict=False)
+        name: _bearing(bearing) for name, bearing in zip(("bearing_a", "bearing_b"), bearings, strict=False)
     }
     if found.most_bent is not None:
         told["largest_bending_moment_n_m"] = N_M_PER_N_MM * found.most_bent.moment_n_mm
@@ -165,8 +169,8 @@ def _pto(found: PowerTakeOffResult, demand: Demand) -> dict[str, Any]:
     told: dict[str, Any] = {}
     cycle_s = demand.cycle.cycle_rad / demand.speed_rad_s
     if found.slips is not None:
-        heats = [one.heat_n_mm for one in found.slips]
-        lasting = any(one.end_rad is None for one in found.slips)
+        heats = [slip.heat_n_mm for slip in found.slips]
+        lasting = any(slip.end_rad is None for slip in found.slips)
         told["torque_limiter"] = {
             "slips_at_deg": _spans_deg(found.slips),
             "stops_the_machine": lasting,
@@ -177,15 +181,15 @@ def _pto(found: PowerTakeOffResult, demand: Demand) -> dict[str, Any]:
         told["overrunning_clutch"] = {
             "runs_ahead_at_deg": _spans_deg(found.runs_ahead),
             "largest_speed_rpm": _speed_rpm(found.runs_ahead, demand, max),
-            "largest_energy_gained_j": W * max((one.energy_n_mm for one in found.runs_ahead), default=0.0),
+            "largest_energy_gained_j": W * max((run.energy_n_mm for run in found.runs_ahead), default=0.0),
         }
     return told
 
 
 def _spans_deg(found: Sequence[Excursion]) -> list[list[float]]:
-    return [[degrees(one.start_rad), degrees(one.last_rad)] for one in found]
+    return [[degrees(excursion.start_rad), degrees(excursion.last_rad)] for excursion in found]
 
 
 def _speed_rpm(found: Sequence[Excursion], demand: Demand, choice: Any) -> float:
-    speeds = [one.speed_rad_s.value for one in found]
+    speeds = [excursion.speed_rad_s.value for excursion in found]
     return float(choice([demand.speed_rad_s, *speeds])) / RAD_S_PER_RPM

@@ -51,8 +51,8 @@ def told(keys: Sequence[ToldKey], asked: str) -> str:
     idea = IDEAS.get(words) or IDEAS.get(words.removesuffix("s"))
     if idea is not None:
         return f"{asked} (no key)\n{fill(idea, WIDTH, initial_indent='  ', subsequent_indent='  ')}"
-    names, one = {key.name for key in keys}, words.removesuffix("s")
-    return explained(keys, looked_up(keys, one if one in names and words not in names else asked))
+    names, singular = {key.name for key in keys}, words.removesuffix("s")
+    return explained(keys, looked_up(keys, singular if singular in names and words not in names else asked))
 
 
 def explained(keys: Sequence[ToldKey], found: Sequence[ToldKey]) -> str:

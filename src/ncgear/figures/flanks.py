@@ -84,7 +84,7 @@ FILM = ("film_um", "film_phi1_rad", "specific_film_thickness")
 
 def _film_columns(film: Film) -> list[list[object]]:
     columns = film.film_um, film.contacts.phi1_rad, film.film_um / film.roughness_um
-    return [one.tolist() for one in columns]
+    return [column.tolist() for column in columns]
 
 
 def film_csv(film: Film) -> str:
@@ -125,13 +125,13 @@ def surfaces_rows(drive: Drive, found: Surfaces) -> list[tuple[str, str]]:
     if film is not None:
         rows += [("film", _film_words(drive, film)), ("scuffing", _scuffing_words(drive, film, found))]
     heat = [
-        f"{gear.value} gear {fixed(one.flank_c, 0)} \u00b0C at flanks, {fixed(one.root_c, 0)} at roots"
-        for gear, one in zip(Gear, found.warm, strict=True)
-        if one is not None
+        f"{gear.value} gear {fixed(warm.flank_c, 0)} \u00b0C at flanks, {fixed(warm.root_c, 0)} at roots"
+        for gear, warm in zip(Gear, found.warm, strict=True)
+        if warm is not None
     ]
     if not heat or not found.judged:
         return rows
-    plastics = {one.name for one in drive.materials if one.family is MaterialFamily.PLASTIC}
+    plastics = {material.name for material in drive.materials if material.family is MaterialFamily.PLASTIC}
     unknown = listed(sorted(plastics - CREEP_MPA.keys()), "and")
     gives_way = f"not judged, because no creep modulus of {unknown} is known here"
     if creep is not None:
@@ -184,7 +184,7 @@ def vibration_of_rating(drive: Drive, rating: Rating) -> ToldVibration | None:
         return None
     contacts, factor = strength.contacts, strength.stresses.dynamic_factor
     # Sections of helical teeth have factors of their own, of which the mean by their loads is told.
-    whole, loaded = (np.bincount(contacts.position, one) for one in (factor * contacts.force_n, contacts.force_n))
+    whole, loaded = (np.bincount(contacts.position, forces) for forces in (factor * contacts.force_n, contacts.force_n))
     mean = (whole / np.maximum(loaded, np.finfo(float).tiny))[contacts.position]
     return told_vibration(drive, drive.vibration, mesh, contacts.phi1_rad, mean, contacts.pair_force_n)
 
@@ -203,7 +203,7 @@ def vibration_words(told: ToldVibration) -> str:
     factor += f", up to {figure('force_n', told.peak_tooth_force_vibrating_n)} with it"
     if told.critical_rpm is None:
         return f"{factor}; nothing that moves has inertia"
-    low, high = (to_digits(one, 2) for one in told.critical_rpm)
+    low, high = (to_digits(speed, 2) for speed in told.critical_rpm)
     return f"{factor}; resonance at {low} to {high} r/min"
 
 
@@ -224,5 +224,5 @@ COLUMNS = ("speed_rpm", "resonance_ratio_min", "resonance_ratio_max", "dynamic_f
 def speeds_csv(sweep: SpeedSweep) -> str:
     """A row for each driving speed; the last column is empty of swings without end, and of loads that change flanks."""
     swinging = [None] * sweep.speed_rpm.size if sweep.load_factor is None else map(known, sweep.load_factor.tolist())
-    columns = (one.tolist() for one in (sweep.speed_rpm, sweep.least, sweep.greatest, sweep.factor))
+    columns = (column.tolist() for column in (sweep.speed_rpm, sweep.least, sweep.greatest, sweep.factor))
     return rows_text(COLUMNS, zip(*columns, swinging, strict=True))

@@ -47,7 +47,9 @@ KEYS = (*COLUMNS[:-1], "words")
 
 def ledger_page(judgements: Sequence[Judgement]) -> str:
     """The whole page."""
-    counts = [(one.paper.title, *(str(one.count(verdict)) for verdict in Finding)) for one in judgements]
+    counts = [
+        (judgement.paper.title, *(str(judgement.count(verdict)) for verdict in Finding)) for judgement in judgements
+    ]
     overview = "\n".join(markdown(("paper", *Finding), counts))
     return "\n\n".join([HEAD, overview, *map(_section, judgements)]) + "\n"
 
@@ -57,18 +59,18 @@ def ledger_figures(judgements: Sequence[Judgement]) -> dict[str, Any]:
     return {
         "papers": [
             {
-                "title": one.paper.title,
-                "reference": one.paper.reference,
-                "verdicts": {verdict.value: one.count(verdict) for verdict in Finding},
+                "title": judgement.paper.title,
+                "reference": judgement.paper.reference,
+                "verdicts": {verdict.value: judgement.count(verdict) for verdict in Finding},
                 "figures": [
                     {
                         **dict(zip(KEYS, _row(judged), strict=True)),
                         "computed_values": list(judged.computed.values) if judged.computed else [],
                     }
-                    for judged in one.entries
+                    for judged in judgement.entries
                 ],
             }
-            for one in judgements
+            for judgement in judgements
         ]
     }
 
@@ -76,14 +78,14 @@ def ledger_figures(judgements: Sequence[Judgement]) -> dict[str, Any]:
 def ledger_text(judgements: Sequence[Judgement], paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
     """Counts by paper and verdict, the files written, and those kept."""
     blocks = [
-        "\n".join([one.paper.title, *(f"  {one.count(verdict):>4}  {verdict}" for verdict in Finding)])
-        for one in judgements
+        "\n".join([judgement.paper.title, *(f"  {judgement.count(verdict):>4}  {verdict}" for verdict in Finding)])
+        for judgement in judgements
     ]
     return "\n\n".join([*blocks, "\n".join(written_lines(paths, kept))])
 
 
-def _section(one: Judgement) -> str:
-    paper, table = one.paper, markdown(COLUMNS, map(_row, one.entries))
+def _section(judgement: Judgement) -> str:
+    paper, table = judgement.paper, markdown(COLUMNS, map(_row, judgement.entries))
     return "\n".join([f"## {paper.title}", "", f"{paper.reference}.", "", *table, *_left_out(paper)])
 
 

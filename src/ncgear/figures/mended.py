@@ -77,8 +77,8 @@ def _in_file(found: Mend) -> tuple[Change, ...]:
 def _with_changes(found: Mend) -> str:
     """The keys that a change gives, with their values, and those that it leaves out, after a noun."""
     changes = _in_file(found)
-    given = listed((str(one) for one in changes if one.value is not None), "and")
-    out = listed((one.key for one in changes if one.value is None), "and")
+    given = listed((str(change) for change in changes if change.value is not None), "and")
+    out = listed((change.key for change in changes if change.value is None), "and")
     return " and ".join(f"{word} {keys}" for word, keys in (("with", given), ("without", out)) if keys)
 
 
@@ -108,7 +108,7 @@ def _words(kind: MendingSubject, alike: Sequence[MendingWay]) -> str:
             return f"a rack of {values('gears.rack.pressure_angle_deg')} deg"
         case MendingSubject.SHIFTED:
             driving = [way.changes.get("gears.profile_shift.driving") for way in alike]
-            shifts = dict.fromkeys("against undercut" if one is None else f"{one:g}" for one in driving)
+            shifts = dict.fromkeys("against undercut" if radius is None else f"{radius:g}" for radius in driving)
             return f"profile shift {listed(shifts)}"
         case MendingSubject.UNDERCUT:
             return "undercut allowed"

@@ -82,7 +82,7 @@ def fit_figures(found: OutlineFit) -> dict[str, Any]:
             "ratio_max": found.drive.transmission.ratio_range[1].value,
         },
         "next_sizes": [
-            {name: value for name, value in asdict(one).items() if value is not None} for one in found.next_sizes
+            {name: value for name, value in asdict(size).items() if value is not None} for size in found.next_sizes
         ],
     }
     if mate is None:
@@ -127,7 +127,7 @@ def fitted_answer(name: str, found: OutlineFit, then: str) -> Answer:
             "contact ratio",
             (f"{shown(found.contact_ratio)}, shortest contact {shown(found.shortest_contact)} pitches",),
         ),
-        Row("ratio", (" to ".join(shown(one.value) for one in found.drive.transmission.ratio_range),)),
+        Row("ratio", (" to ".join(shown(extremum.value) for extremum in found.drive.transmission.ratio_range),)),
         Row("pressure angle", (f"up to {shown(found.pressure_angle_deg)} deg",)),
     ]
     if (length := found.length_by_size) is not None:
@@ -143,12 +143,14 @@ def fitted_answer(name: str, found: OutlineFit, then: str) -> Answer:
         rows.append(Row("the mate", (f"{sized}; its axis there at {_place(*mate.axis_mm.tolist())}",)))
         rows += _strays(found, mate.deviation, mate.size_mm, mate.bound_by, "")
     misses = [found.deviation.greatest_mm / size, *([mate.deviation.greatest_mm / mate.size_mm] if mate else [])]
-    for one in found.next_sizes if max(misses) > MET else ():
-        told = f"{fixed(one.root_mean_square_mm, 2)} mm r.m.s., {fixed(one.greatest_mm, 1)} mm at most"
-        if one.mate_root_mean_square_mm is not None and one.mate_greatest_mm is not None:
-            other = f"{fixed(one.mate_root_mean_square_mm, 2)} and {fixed(one.mate_greatest_mm, 1)} mm"
+    for next_size in found.next_sizes if max(misses) > MET else ():
+        told = f"{fixed(next_size.root_mean_square_mm, 2)} mm r.m.s., {fixed(next_size.greatest_mm, 1)} mm at most"
+        if next_size.mate_root_mean_square_mm is not None and next_size.mate_greatest_mm is not None:
+            other = f"{fixed(next_size.mate_root_mean_square_mm, 2)} and {fixed(next_size.mate_greatest_mm, 1)} mm"
             told = f"{told}, of the mate {other}"
-        rows.append(Row(f"with {one.teeth} teeth", (f"{told}, module {to_digits(one.module_mm, 3)} mm (not made)",)))
+        rows.append(
+            Row(f"with {next_size.teeth} teeth", (f"{told}, module {to_digits(next_size.module_mm, 3)} mm (not made)",))
+        )
     head = f"{name}: the nearest pitch curve to an outline of {shown(size)} mm whose pair can be made"
     return Answer(
         head if mate is None else f"{name}: the nearest pair to an outline of {shown(size)} mm and one of its mate",

@@ -79,7 +79,7 @@ def compare(*given: Drive | str | Path | Mapping[str, Any]) -> SideBySide:
     """
     if not 2 <= len(given) <= MOST:
         raise WrongInput(f"{len(given)} design{'s' * (len(given) != 1)} given; 2 to {MOST} are compared")
-    drives = tuple(one if isinstance(one, Drive) else load(one) for one in given)
+    drives = tuple(design if isinstance(design, Drive) else load(design) for design in given)
     return SideBySide(drives, tuple(map(design_figures, drives)))
 
 
@@ -121,7 +121,7 @@ def side_by_side_text(found: SideBySide, *, every: bool = False) -> str:
     heads = ["", first, *(head for name in others for head in (name, f"than {first}"))]
     rows = [_row(found, key) for key in found.keys if every or key in MAIN or label_and_unit(key)[0] in _WORDS]
     laws = [drive.design.motion.law for drive in found.drives]
-    law = ["law", laws[0], *(text for one in laws[1:] for text in (one, ""))]
+    law = ["law", laws[0], *(text for law in laws[1:] for text in (law, ""))]
     return "\n".join(aligned([heads, law, *rows], left=1))
 
 

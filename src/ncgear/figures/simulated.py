@@ -78,7 +78,7 @@ def _load_columns(linkage: Mechanism, loads: Loads) -> dict[str, Array]:
 def _names_before(count: int) -> list[tuple[str, str]]:
     """The names of the meshes before the last, and of the bearings of the shafts that they turn, from the first on."""
     shaft = "shaft_between_bearing"
-    return [(f"{one}_mesh", shaft if count == 1 else f"{one}_{shaft}") for one in ORDINALS[:count]]
+    return [(f"{ordinal}_mesh", shaft if count == 1 else f"{ordinal}_{shaft}") for ordinal in ORDINALS[:count]]
 
 
 def _components(name: str, force: Vector) -> dict[str, Array]:
@@ -171,13 +171,18 @@ def quasi_static_table(drive: Drive, rigid_torque_n_m: Array) -> dict[str, Array
     Of pairs in series the error is that of all together, and forces and depths without a number are the last pair's.
     """
     each, motion = [pair.loaded_contact for pair in drive.by_stage], drive.motion
-    names, error = (*(f"{one}_" for one in ORDINALS[: len(each) - 1]), ""), drive.loaded_error_at(motion.phi1_rad)
+    names, error = (
+        (*(f"{ordinal}_" for ordinal in ORDINALS[: len(each) - 1]), ""),
+        drive.loaded_error_at(motion.phi1_rad),
+    )
     return {
         "phi1_rad": motion.phi1_rad,
         "phi2_rad": motion.phi2_rad + error,
         "error_rad": error,
         **{
-            f"{of}{key}": one for of, pair in zip(names, each, strict=True) for key, one in _teeth_at_rest(pair).items()
+            f"{of}{key}": values
+            for of, pair in zip(names, each, strict=True)
+            for key, values in _teeth_at_rest(pair).items()
         },
         "driving_torque_n_m": N_M_PER_N_MM * each[0].driving_torque_n_mm,
         "rigid_driving_torque_n_m": rigid_torque_n_m,
@@ -250,8 +255,8 @@ def _band(peaks_with: Callable[[float], dict[str, float]]) -> dict[str, dict[str
 def _loaded_with(drive: Drive, factor: float) -> dict[str, float]:
     pairs = [pair.loaded_peaks_with(factor) for pair in drive.by_stage]
     return {
-        "peak_tooth_force_n": max(one.tooth_force_n.value for one in pairs),
-        "peak_depth_mm": max(one.depth_mm.value for one in pairs),
+        "peak_tooth_force_n": max(pair.tooth_force_n.value for pair in pairs),
+        "peak_depth_mm": max(pair.depth_mm.value for pair in pairs),
         "transmission_error_rad": drive.transmission_error_with(factor),
     }
 
@@ -273,8 +278,8 @@ def dynamic_table(history: History, linkage: Mechanism) -> dict[str, Array]:
         "back_force_n": history.back_n,
         **{
             f"{pair}_{side}_force_n": force
-            for pair, one in zip(ORDINALS, history.before, strict=False)
-            for side, force in (("pushing", one.pushing_n), ("back", one.back_n))
+            for pair, forces in zip(ORDINALS, history.before, strict=False)
+            for side, force in (("pushing", forces.pushing_n), ("back", forces.back_n))
         },
         "driving_torque_n_m": N_M_PER_N_MM * history.torque_n_mm,
         **joints,
@@ -363,7 +368,7 @@ BAND_ACCURACY = 4e-6
 
 def _motion_with(drive: Drive, factor: float) -> dict[str, float]:
     peaks = drive.peaks_of(drive.course_with(factor, BAND_ACCURACY))
-    pushing, back = (max(one.value for one in side) for side in zip(*peaks.of_pairs, strict=True))
+    pushing, back = (max(force.value for force in side) for side in zip(*peaks.of_pairs, strict=True))
     return {
         "peak_pushing_force_n": pushing,
         "peak_back_force_n": back,

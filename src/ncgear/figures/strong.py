@@ -212,7 +212,7 @@ def jam_words(drive: Drive, rating: Rating) -> str:
 def least_safeties(strength: Strength) -> dict[Damage, float]:
     """The least safety of both gears for each kind of damage."""
     least = dict[Damage, float]()
-    for damage, life in (one for gear in Gear for one in lives_of(strength, gear).items()):
+    for damage, life in (life for gear in Gear for life in lives_of(strength, gear).items()):
         least[damage] = min(life.safety_min, least.get(damage, inf))
     return least
 
@@ -227,11 +227,13 @@ def rim_words(drive: Drive, rating: Rating) -> str:
     """By how much thin walls raise the stresses at the weakest roots; empty where these have thick ones."""
     found = []
     rims = dict(zip(Gear, drive.rims, strict=True))
-    for one in rating.weakest:
-        rim, row = rims[one.gear], one.tooth - 1
-        if one.damage is Damage.BENDING and rim.factor[row] > 1.0:
+    for weakest in rating.weakest:
+        rim, row = rims[weakest.gear], weakest.tooth - 1
+        if weakest.damage is Damage.BENDING and rim.factor[row] > 1.0:
             wall, raised = to_digits(float(rim.wall_mm[row]), 2), to_digits(float(rim.factor[row]), 3)
-            found.append(f"{wall} mm under tooth {one.tooth} of the {one.gear.value} gear, stress times {raised}")
+            found.append(
+                f"{wall} mm under tooth {weakest.tooth} of the {weakest.gear.value} gear, stress times {raised}"
+            )
     return f"thin wall of {'; '.join(found)}" if found else ""
 
 
@@ -295,27 +297,27 @@ def strength_summary(rating: Rating, drive: Drive) -> dict[str, Any]:
         "load": strength.load,
         "face_load": drive.face_loading.basis,
         "face_load_factor": strength.stresses.decisive_face_load(strength.contacts),
-        **of_weakest(rating, lambda one: {"safety_min": one.safety, "tooth": one.tooth}),
+        **of_weakest(rating, lambda weakest: {"safety_min": weakest.safety, "tooth": weakest.tooth}),
     }
 
 
 def of_weakest(rating: Rating, told: Callable[[Weakest], dict[str, Any]]) -> dict[str, dict[str, Any]]:
     """Figures of the weakest teeth by gear; their keys begin with the kind of damage."""
     found: dict[str, dict[str, Any]] = {gear.value: {} for gear in Gear}
-    for one in rating.weakest:
-        found[one.gear.value] |= {f"{one.damage}_{key}": value for key, value in told(one).items()}
+    for weakest in rating.weakest:
+        found[weakest.gear.value] |= {f"{weakest.damage}_{key}": value for key, value in told(weakest).items()}
     return found
 
 
-def _stress_and_life(one: Weakest) -> dict[str, Any]:
+def _stress_and_life(weakest: Weakest) -> dict[str, Any]:
     """What is told of a weakest tooth beside its safety."""
     return {
-        "safety_wanted": one.wanted,
-        "stress_mpa": one.stress_mpa,
-        "stress_at_rad": one.phi1_rad,
-        "endured_mpa": one.endured_mpa,
-        "life_h": known(one.life_h),
-        "too_weak_teeth": sorted(one.too_weak),
+        "safety_wanted": weakest.wanted,
+        "stress_mpa": weakest.stress_mpa,
+        "stress_at_rad": weakest.phi1_rad,
+        "endured_mpa": weakest.endured_mpa,
+        "life_h": known(weakest.life_h),
+        "too_weak_teeth": sorted(weakest.too_weak),
     }
 
 
@@ -369,22 +371,22 @@ def weakest_table(drive: Drive, rating: Rating) -> Table:
     notes = [load_words(drive, strength), *by, materials_words(drive, strength)]
     surfaces = flanks.surfaces_rows(drive, drive.surfaces_by(strength.method))
     notes += [f"{name.capitalize()}: {words}" for name, words in surfaces]
-    cells = tuple(weakest_cells(one, strength.wears) for one in rating.weakest)
+    cells = tuple(weakest_cells(weakest, strength.wears) for weakest in rating.weakest)
     return Table("Weakest teeth", HEADS, cells, tuple(f"{note}." for note in notes))
 
 
-def weakest_cells(one: Weakest, wears: bool) -> tuple[str, ...]:
+def weakest_cells(weakest: Weakest, wears: bool) -> tuple[str, ...]:
     """The texts below ``HEADS``; ``wears`` as of the strength."""
     return (
-        one.gear.value,
-        one.damage.words,
-        to_digits(one.safety, 3),
-        f"{one.wanted:g}",
-        str(one.tooth),
-        _degrees(one.phi1_rad),
-        to_digits(one.stress_mpa, 3),
-        to_digits(one.endured_mpa, 3),
-        life_words(one.life_h, wears),
+        weakest.gear.value,
+        weakest.damage.words,
+        to_digits(weakest.safety, 3),
+        f"{weakest.wanted:g}",
+        str(weakest.tooth),
+        _degrees(weakest.phi1_rad),
+        to_digits(weakest.stress_mpa, 3),
+        to_digits(weakest.endured_mpa, 3),
+        life_words(weakest.life_h, wears),
     )
 
 

@@ -58,7 +58,7 @@ def counts_of(screened: Overview, deeper: Overview | None, stage: str) -> list[s
         said.append(f"{screened.kept} keep {_said(constraints)}")
     if deeper is not None:
         said.append(f"{deeper.count} went on to {stage}, of which {deeper.made} can be made")
-        later = [one for one in deeper.wanted.constraints if one not in constraints]
+        later = [limit for limit in deeper.wanted.constraints if limit not in constraints]
         if later:
             said.append(f"{deeper.kept} keep {_said(later)}")
     last = deeper or screened
@@ -69,7 +69,7 @@ def counts_of(screened: Overview, deeper: Overview | None, stage: str) -> list[s
 
 def _said(constraints: Sequence[Constraint]) -> str:
     return ", ".join(
-        f"{_of_pair(one.name, _last(one.name))} {one.comparison} {shown(one.number)}" for one in constraints
+        f"{_of_pair(limit.name, _last(limit.name))} {limit.comparison} {shown(limit.number)}" for limit in constraints
     )
 
 
@@ -85,9 +85,10 @@ def sweep_figures(name: str, screened: Overview, deeper: Overview | None, stage:
         "stage": stage,
         "keys": list(last.space.keys),
         "objectives": [
-            {"name": one.name, "wanted": "greatest" if one.greatest else "least"} for one in wanted.objectives
+            {"name": objective.name, "wanted": "greatest" if objective.greatest else "least"}
+            for objective in wanted.objectives
         ],
-        "constraints": [vars(one) for one in wanted.constraints],
+        "constraints": [vars(limit) for limit in wanted.constraints],
         "screened": _counts(screened),
         **({} if deeper is None else {"deeper": _counts(deeper)}),
         "pareto_set_designs": 0 if front is None else len(front.numbers),
@@ -106,8 +107,8 @@ def sweep_figures(name: str, screened: Overview, deeper: Overview | None, stage:
 def _counts(overview: Overview) -> dict[str, Any]:
     """How many designs there are, are made and keep what is wanted, and why others are refused, most frequent first."""
     refused = [
-        {"designs": one.count, "first_at": dict(one.values), "verdict": one.verdict}
-        for one in overview.frequent_refusals
+        {"designs": refusal.count, "first_at": dict(refusal.values), "verdict": refusal.verdict}
+        for refusal in overview.frequent_refusals
     ]
     return {"designs": overview.count, "made": overview.made, "kept": overview.kept, "refused": refused}
 
@@ -126,7 +127,7 @@ def _effect_figures(overview: Overview) -> dict[str, Any]:
 
 def front_csv(front: Designs, wanted: Wanted) -> str:
     """The Pareto set in the order of the first objective: number, keys, objectives first, then all other figures."""
-    first = [one.name for one in wanted.objectives if one.name in front.figures]
+    first = [objective.name for objective in wanted.objectives if objective.name in front.figures]
     names = [*first, *(name for name in front.figures if name not in first)]
     order = np.lexsort(wanted.costs(front).T[::-1])
     columns = [front.numbers, *front.values.values(), *(front.figures[name] for name in names)]
@@ -147,7 +148,7 @@ def effects_csv(overview: Overview) -> str:
                 means = effects.means[key, place].tolist()
             value, refused = effects.places[key, place], effects.refused_share[key, place]
             rows.append([name, float(value), int(effects.designs[key, place]), float(refused), *means])
-    heads = ["key", "value", "designs", "refused_share", *(f"mean {one.name}" for one in objectives)]
+    heads = ["key", "value", "designs", "refused_share", *(f"mean {objective.name}" for objective in objectives)]
     return rows_text(heads, rows)
 
 
@@ -165,7 +166,7 @@ def swept_answer(design: Design, screened: Overview, deeper: Overview | None, st
     last = deeper or screened
     head, *more = counts_of(screened, deeper, stage)
     limits = [name for name in LIMITS if last.best and name in last.best[0].figures]
-    figures = list(dict.fromkeys([*(one.name for one in last.wanted.objectives), *limits]))
+    figures = list(dict.fromkeys([*(objective.name for objective in last.wanted.objectives), *limits]))
     heads = [*map(_last, last.space.keys), *map(head_of, figures)]
     rows = [
         Row(
@@ -181,8 +182,12 @@ def swept_answer(design: Design, screened: Overview, deeper: Overview | None, st
     unknown = ROOM not in limits and is_row(design)
     warned = [_warned(last, name) for name in limits if not _keeps(last, name).all()]
     refused = [
-        Fault(f"{one.count} designs, the first: {one.verdict}" if one.count > 1 else f"1 design: {one.verdict}")
-        for one in last.frequent_refusals
+        Fault(
+            f"{refusal.count} designs, the first: {refusal.verdict}"
+            if refusal.count > 1
+            else f"1 design: {refusal.verdict}"
+        )
+        for refusal in last.frequent_refusals
     ]
     return Answer(
         head,
@@ -220,5 +225,5 @@ def _keeps(overview: Overview, name: str) -> Mask:
 
 def without_masses(overview: Overview) -> bool:
     """Whether designs are ranked by a power that counts no masses."""
-    by_power = any(one.name.endswith("power_w") for one in overview.wanted.objectives)
-    return by_power and all(set(WITH_MASSES).isdisjoint(one.figures) for one in overview.best)
+    by_power = any(objective.name.endswith("power_w") for objective in overview.wanted.objectives)
+    return by_power and all(set(WITH_MASSES).isdisjoint(design.figures) for design in overview.best)

@@ -72,7 +72,7 @@ def comparison_lines(rows: Sequence[Mapping[str, Any]]) -> list[list[str]]:
         rows_in_short = ((in_one_line(name, NAME_WIDTH), *others) for name, *others in map(table.texts, table.rows))
         lines = aligned([*zip(*table.columns, strict=True), *rows_in_short], left=1)
         told = [(str(name), note) for (name, *_), note in zip(table.rows, table.row_notes, strict=True)]
-        said = [": ".join(filter(None, one)) for one in told if one[1] or len(one[0]) > NAME_WIDTH]
+        said = [": ".join(filter(None, told_row)) for told_row in told if told_row[1] or len(told_row[0]) > NAME_WIDTH]
         blocks.append([table.title, *lines, *_marked(INDENT, said)])
     return blocks
 
@@ -189,7 +189,7 @@ def _table(rows: Sequence[Figures]) -> list[str]:
 
 def _holds_table(group: Figures) -> bool:
     """Whether a list of groups is anywhere in a group."""
-    return any(isinstance(one, list) or _holds_table(one) for one in group.values() if _is_group(one))
+    return any(isinstance(value, list) or _holds_table(value) for value in group.values() if _is_group(value))
 
 
 def _with_room(cells: Sequence[Sequence[str]], left: int = 0) -> list[str]:

@@ -87,14 +87,14 @@ WORST_IS_LEAST = "least_play_mm", "contact_ratio_min"
 
 def percentiles(tolerated: Tolerated) -> dict[str, dict[str, float]]:
     """Each figure of the machine as designed, its median, and what 99 of 100 assemblies keep, on the bad side."""
-    return _percentiles(*(assemblies_figures(one, tolerated) for one in (tolerated.assemblies, tolerated.nominal)))
+    return _percentiles(*(assemblies_figures(draw, tolerated) for draw in (tolerated.assemblies, tolerated.nominal)))
 
 
 def pair_percentiles(tolerated: Tolerated) -> list[dict[str, dict[str, float]]]:
     """The same of each pair."""
     loaded = tolerated.loaded
     return [
-        _percentiles(*(pair_figures(one, pair, loaded=loaded) for one in (pair.assemblies, pair.nominal)))
+        _percentiles(*(pair_figures(draw, pair, loaded=loaded) for draw in (pair.assemblies, pair.nominal)))
         for pair in tolerated.pairs
     ]
 
@@ -114,7 +114,7 @@ def _percentiles(told: Mapping[str, Array], nominal: Mapping[str, Array]) -> dic
 
 def share_words(share: Share) -> str:
     """``1.2 % (0.9 to 1.6 %)``: the share, and the range of the share of all assemblies with 95 % confidence."""
-    value, least, largest = (to_digits(100.0 * one, 3) for one in (share.value, share.least, share.largest))
+    value, least, largest = (to_digits(100.0 * end, 3) for end in (share.value, share.least, share.largest))
     return f"{value} % ({least} to {largest} % of all)"
 
 
@@ -138,7 +138,7 @@ class AssembliesJudged:
 def judged_assemblies(tolerated: Tolerated) -> list[AssembliesJudged]:
     """The verdict on the assemblies, the most serious condition first."""
     needed, jam, knock = tolerated.needed, tolerated.jam.value, tolerated.knock.value if tolerated.knock else 0.0
-    off = max(one.error_mm / max(one.displaced_mm, 1e-12) for pair in tolerated.pairs for one in pair.errors)
+    off = max(error.error_mm / max(error.displaced_mm, 1e-12) for pair in tolerated.pairs for error in pair.errors)
     enough = () if needed is None or needed.jammed is None else (f"gears.{needed.key}: {needed.value:g}",)
     jams = f"{to_digits(100.0 * jam, 3)} % of the assemblies jam" if jam > MOST_JAMMED else ""
     knocks = f"{to_digits(100.0 * knock, 3)} % of the assemblies knock" if knock > 0.0 else ""
@@ -155,12 +155,19 @@ def _verdict(tolerated: Tolerated) -> dict[str, Any]:
     """The verdict in full, in the form of that on a machine."""
     judged = judged_assemblies(tolerated)
     rows = [
-        {"condition": one.condition, "stage": None, "says": one.kept, "verdict": "broken" if one.broken else "kept"}
-        | {"because": one.broken, "remark": ""}
-        for one in judged
+        {
+            "condition": judgement.condition,
+            "stage": None,
+            "says": judgement.kept,
+            "verdict": "broken" if judgement.broken else "kept",
+        }
+        | {"because": judgement.broken, "remark": ""}
+        for judgement in judged
     ]
-    to_change = [f". To change it: {'; or '.join(one.cures)}" if one.cures else "" for one in judged]
-    warnings = [f"{one.broken}{cure}" for one, cure in zip(judged, to_change, strict=True) if one.broken]
+    to_change = [f". To change it: {'; or '.join(judgement.cures)}" if judgement.cures else "" for judgement in judged]
+    warnings = [
+        f"{judgement.broken}{cure}" for judgement, cure in zip(judged, to_change, strict=True) if judgement.broken
+    ]
     return {"warnings": warnings, "remarks": [], "verdict": rows}
 
 
@@ -190,7 +197,7 @@ def tolerance_json(tolerated: Tolerated) -> dict[str, Any]:
             "refused": needed.refused,
         },
         "indices": {
-            name: [{**vars(one), "source": one.source.key} for one in found]
+            name: [{**vars(index), "source": index.source.key} for index in found]
             for name, found in tolerated.indices.items()
         },
         "index_samples": tolerated.index_samples,
@@ -218,8 +225,8 @@ def _stages(tolerated: Tolerated) -> dict[str, Any]:
 def _grades(pair: PairStudy) -> dict[str, Any]:
     pitch, profile = pair.flank_limits_mm
     return {
-        "single_pitch_um": [rounded_um(float(one)) for one in (pitch.min(), pitch.max())],
-        "total_profile_um": [rounded_um(float(one)) for one in (profile.min(), profile.max())],
+        "single_pitch_um": [rounded_um(float(deviation)) for deviation in (pitch.min(), pitch.max())],
+        "total_profile_um": [rounded_um(float(deviation)) for deviation in (profile.min(), profile.max())],
     }
 
 
@@ -234,9 +241,9 @@ def _checks(pair: PairStudy) -> dict[str, Any]:
             "play_deviation_mm": float(first.linear_mm.max()),
             "play_deviation_drawn_mm": float(first.drawn_mm.max()),
             "difference": first.difference,
-            "by_source_mm": {source: float(one.max()) for source, one in first.by_source.items()},
+            "by_source_mm": {source: float(share.max()) for source, share in first.by_source.items()},
         },
-        "checked_by_outlines": [vars(one) for one in pair.errors],
+        "checked_by_outlines": [vars(error) for error in pair.errors],
         "between_positions": vars(pair.between),
     }
 
@@ -266,7 +273,9 @@ def index_rows(tolerated: Tolerated) -> list[tuple[str, str]]:
         (
             BRIEF[name],
             ", ".join(
-                f"{source_words(one.source)} {fixed(100.0 * one.total, 0)} %" for one in found if one.total >= SMALL
+                f"{source_words(index.source)} {fixed(100.0 * index.total, 0)} %"
+                for index in found
+                if index.total >= SMALL
             ),
         )
         for name, found in tolerated.indices.items()
@@ -328,8 +337,8 @@ ROOM = COLUMNS - 30
 def _first(words: str) -> str:
     """As many sources of variance, the greatest first, as a line has room for."""
     named = words.split(", ")
-    ends = accumulate(len(one) + len(", ") for one in named)
-    return ", ".join(one for one, end in zip(named, ends, strict=True) if end <= ROOM)
+    ends = accumulate(len(name) + len(", ") for name in named)
+    return ", ".join(name for name, end in zip(named, ends, strict=True) if end <= ROOM)
 
 
 def tolerance_answer(tolerated: Tolerated) -> Answer:
@@ -344,8 +353,8 @@ def tolerance_answer(tolerated: Tolerated) -> Answer:
             for pair, own in zip(tolerated.pairs, pair_percentiles(tolerated), strict=True)
         ]
     columns += [_shown_row("", key, values) for key, values in told.items() if key not in left_out]
-    errors = [one for pair in tolerated.pairs for one in pair.errors]
-    worst = max(errors, key=lambda one: one.error_mm)
+    errors = [error for pair in tolerated.pairs for error in pair.errors]
+    worst = max(errors, key=lambda error: error.error_mm)
     checked = (
         f"linear model off the outlines of {len(errors)} assemblies by "
         f"{to_digits(1e3 * worst.error_mm, 3)} of {to_digits(1e3 * worst.displaced_mm, 3)} \u00b5m"
@@ -369,7 +378,9 @@ def tolerance_answer(tolerated: Tolerated) -> Answer:
     return Answer(
         f"{tolerated.drive.design.name}: {tolerated.assemblies.count} assemblies within their tolerances",
         (*columns, *rows),
-        tuple(Fault(one.broken, one.cures) for one in judged_assemblies(tolerated) if one.broken),
+        tuple(
+            Fault(judgement.broken, judgement.cures) for judgement in judged_assemblies(tolerated) if judgement.broken
+        ),
         about=f"Tolerances: {limits}" if tolerated.process is None else "",
         notes=() if tolerated.process is None else (f"{ASSUMED}{limits}",),
         heads=tuple(STATISTICS[key] for key in SHOWN),

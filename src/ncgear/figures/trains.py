@@ -34,20 +34,20 @@ def train_figures(name: str, description: str, train: Train, conditions: Sequenc
         "design": {"name": name, "description": description},
         "train": {"driving": train.driving, "speed_rpm": train.speed_rpm, **train.told.figures},
         "parts": parts,
-        "verdict": [_row(one) for one in conditions],
+        "verdict": [_row(condition) for condition in conditions],
     }
 
 
-def _row(one: TrainCondition) -> dict[str, Any]:
+def _row(condition: TrainCondition) -> dict[str, Any]:
     """A condition, with the keys that conditions of machines have, and what would help."""
-    state = State.NOT_JUDGED if one.holds is None else State.KEPT if one.holds else State.BROKEN
+    state = State.NOT_JUDGED if condition.holds is None else State.KEPT if condition.holds else State.BROKEN
     return {
-        "condition": one.name,
+        "condition": condition.name,
         "stage": None,
-        "holds": one.holds,
-        "says": f"{one.name}: {one.said}",
+        "holds": condition.holds,
+        "says": f"{condition.name}: {condition.said}",
         "verdict": str(state),
-        "because": "; ".join(one.cures),
+        "because": "; ".join(condition.cures),
         "remark": "",
     }
 
@@ -62,22 +62,28 @@ def judged_contacts(
 ) -> tuple[TrainCondition, ...]:
     """Whether all meshes touch without overlap, and whether all other parts pass each other."""
     allowed = ALLOWED_TOLERANCES * train.tolerance_mm
-    clashing = [one for one in contacts if one.clashes(allowed)]
-    parted = [one for one in contacts if one.parts(allowed)]
+    clashing = [contact for contact in contacts if contact.clashes(allowed)]
+    parted = [contact for contact in contacts if contact.parts(allowed)]
     deepest, widest = worst(contacts)
     met = f"teeth overlap by {micrometres(deepest)} and part by {micrometres(widest)} at most"
     said = [
-        *(_meets(one, "overlap by", one.penetration_max_mm, one.penetration_max_at_rad) for one in clashing),
-        *(_meets(one, "part by", one.gap_max_mm, one.gap_max_at_rad) for one in parted),
+        *(
+            _meets(contact, "overlap by", contact.penetration_max_mm, contact.penetration_max_at_rad)
+            for contact in clashing
+        ),
+        *(_meets(contact, "part by", contact.gap_max_mm, contact.gap_max_at_rad) for contact in parted),
     ]
     return TrainCondition("meshes", not said, "; ".join(said) or met), judged_room(distances), TEETH
 
 
 def judged_room(distances: Sequence[Distance]) -> TrainCondition:
     """Whether all parts that do not mesh pass each other."""
-    touching = [one for one in distances if one.least_distance_mm <= 0.0]
-    room = [f"{one.first} and {one.second} meet at {placed(degrees(one.at_rad))} deg" for one in touching]
-    least = min(distances, key=lambda one: one.least_distance_mm, default=None)
+    touching = [distance for distance in distances if distance.least_distance_mm <= 0.0]
+    room = [
+        f"{distance.first} and {distance.second} meet at {placed(degrees(distance.at_rad))} deg"
+        for distance in touching
+    ]
+    least = min(distances, key=lambda distance: distance.least_distance_mm, default=None)
     passing = "no parts at one height come near to each other"
     if least is not None:
         near = f"{least.first} and {least.second} pass at {to_digits(least.least_distance_mm, 3)} mm"
@@ -85,8 +91,8 @@ def judged_room(distances: Sequence[Distance]) -> TrainCondition:
     return TrainCondition("room", not room, "; ".join(room) or passing)
 
 
-def _meets(one: MeshContact, how: str, value_mm: float, at_rad: float) -> str:
-    return f"{one.first} and {one.second} {how} {to_digits(value_mm, 3)} mm at {placed(degrees(at_rad))} deg"
+def _meets(contact: MeshContact, how: str, value_mm: float, at_rad: float) -> str:
+    return f"{contact.first} and {contact.second} {how} {to_digits(value_mm, 3)} mm at {placed(degrees(at_rad))} deg"
 
 
 TEETH = TrainCondition(
@@ -104,12 +110,16 @@ def checked_conditions(train: Train) -> tuple[TrainCondition, ...]:
 def train_answer(name: str, description: str, train: Train, conditions: Sequence[TrainCondition], then: str) -> Answer:
     """The answer about a train on one screen."""
     rows = [Row(label, (text,)) for label, text in train.told.rows]
-    rows += [Row(one.name, (one.said,)) for one in conditions if one.holds]
-    unknown = [f"{one.name} ({one.said})" for one in conditions if one.holds is None]
+    rows += [Row(condition.name, (condition.said,)) for condition in conditions if condition.holds]
+    unknown = [f"{condition.name} ({condition.said})" for condition in conditions if condition.holds is None]
     return Answer(
         f"{name}: {train.told.head}",
         tuple(rows),
-        tuple(Fault(f"{one.name}: {one.said}", one.cures) for one in conditions if one.holds is False),
+        tuple(
+            Fault(f"{condition.name}: {condition.said}", condition.cures)
+            for condition in conditions
+            if condition.holds is False
+        ),
         about=description,
         good=GOOD_AS_JUDGED if unknown else GOOD,
         not_judged=f"Not judged: {', '.join(unknown)}." if unknown else "",
@@ -123,7 +133,7 @@ def poses_figures(train: Train, driving_rad: Any) -> Mapping[str, Any]:
     return {
         "driving": train.driving,
         "driving_rad": driving_rad.tolist(),
-        "meshes": [{"first": one.first, "second": one.second, "kind": one.kind.value} for one in train.meshes],
+        "meshes": [{"first": mesh.first, "second": mesh.second, "kind": mesh.kind.value} for mesh in train.meshes],
         "parts": [
             {
                 "name": part.name,

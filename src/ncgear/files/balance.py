@@ -141,11 +141,11 @@ def balance_files(balancing: Balancing, figures: dict[str, Any]) -> dict[str, by
 
 def _pictures(balancing: Balancing) -> dict[str, bytes]:
     balance, files = balancing.balance, {}
-    for number, (given, one) in enumerate(zip(balance.mechanisms, balancing.mounted, strict=True), start=1):
-        files[f"shaking-{number}.png"] = loops(_forces(one.mechanism), "N", f"{given.name}: shaking force")
+    for number, (given, in_frame) in enumerate(zip(balance.mechanisms, balancing.mounted, strict=True), start=1):
+        files[f"shaking-{number}.png"] = loops(_forces(in_frame.mechanism), "N", f"{given.name}: shaking force")
         if given.sweep is not None:
             tried = [replace(crank_counterweight(given.sweep), mass_kg=mass) for mass in given.sweep.masses_kg]
-            tracks = {f"{added.mass_kg:g} kg": _track(one.mechanism, added) for added in tried}
+            tracks = {f"{added.mass_kg:g} kg": _track(in_frame.mechanism, added) for added in tried}
             files[f"tracks-{number}.png"] = loops(
                 tracks, "mm", f"{given.name}: tracks of the centre of mass about their middles"
             )
@@ -182,5 +182,5 @@ def _solids(balancing: Balancing) -> dict[str, bytes]:
     """The corrected gears as STL, read back and checked."""
     if balancing.balance.gears is None:
         return {}
-    made = {f"{gear}-balanced.stl": one.corrected for gear, one in balancing.gears.items()}
+    made = {f"{gear}-balanced.stl": balanced.corrected for gear, balanced in balancing.gears.items()}
     return {name: stl_bytes(found.mesh.as_trimesh()) for name, found in made.items() if found is not None}

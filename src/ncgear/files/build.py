@@ -166,7 +166,7 @@ def _made(drive: Drive, on_step: Callable[[str], None], formats: Collection[Form
     drawn.append(drawer.begun(LOAD_PICTURES, *load_pictures(drive, contact)))
     with drive.stopwatch("workshop files"):
         other_files = begun_workshop_files(drive, set(formats).difference(slow), *shared)
-        both = {one.source: (one.driving_mm, one.driven_mm) for one in outlines}
+        both = {outline.source: (outline.driving_mm, outline.driven_mm) for outline in outlines}
         measured = drawer.offered(ERRORS, exact, both)
     verdict = judged(drive, KnownParts.TEETH)
     figures = build_summary(drive, contact, verdict)

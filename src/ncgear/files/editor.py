@@ -230,7 +230,7 @@ def _patterns(folder: Path) -> dict[str, list[str]]:
     found: dict[str | None, dict[str, None]] = {name: {} for name in (*SCHEMAS, None)}
     for path, kind in kinds.items():
         places = reversed(path.parents)
-        alone = (place for place in places if {kinds[one] for one in kinds if one.is_relative_to(place)} == {kind})
+        alone = (place for place in places if {kinds[kind] for kind in kinds if kind.is_relative_to(place)} == {kind})
         place = next(alone, None)
         found[kind][path.as_posix() if place is None else (place / ANY).as_posix()] = None
     return {name: list(found[name]) for name in SCHEMAS if found[name]}

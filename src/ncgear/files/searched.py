@@ -43,7 +43,7 @@ def frontier_files(found: Frontier, beside: SoughtMachine) -> dict[str, bytes]:
     heights = [*accumulate((acceleration for _, acceleration in reversed(points)), max)][::-1]
     limit = [(power, height) for (power, _), height in zip(points, heights, strict=True)]
     laws = [(point.law.peak_power_w, point.law.peak_acceleration_mm_s2) for point in found.laws]
-    family = [(one.cap_w, peak) for one in found.families if (peak := one.peak_acceleration_mm_s2) is not None]
+    family = [(family.cap_w, peak) for family in found.families if (peak := family.peak_acceleration_mm_s2) is not None]
     return {
         "frontier.csv": frontier_csv(found, beside).encode(),
         "frontier.json": json_text(frontier_figures(found, beside)).encode(),
@@ -53,8 +53,8 @@ def frontier_files(found: Frontier, beside: SoughtMachine) -> dict[str, bytes]:
 
 def flywheel_files(found: Sequence[FlywheelPoint], design: Design) -> dict[str, bytes]:
     """CSV, JSON and picture of power against the size of the flywheel on the driven shaft."""
-    limit = rows([(KG_M2 * one.flywheel_kg_mm2, one.limit_w) for one in found])
-    laws = rows([(KG_M2 * one.flywheel_kg_mm2, one.law.peak_power_w) for one in found])
+    limit = rows([(KG_M2 * point.flywheel_kg_mm2, point.limit_w) for point in found])
+    laws = rows([(KG_M2 * point.flywheel_kg_mm2, point.law.peak_power_w) for point in found])
     title = f"{design.name}: least power at {design.operation.speed_rpm:.4g} r/min"
     return {
         "flywheel.csv": flywheel_csv(found).encode(),
@@ -71,7 +71,10 @@ def limit_picture(best: BestLaw) -> bytes:
 
 def _picture(beside: SoughtMachine, limit: Points, laws: Points, family: Points, what: str) -> bytes:
     """PNG of points of power in W and acceleration in mm/s2, with the mechanisms to compare with."""
-    others = [(one.name, one.peak_power_w, one.peak_acceleration_mm_s2) for one in other_mechanisms(beside)]
+    others = [
+        (mechanism.name, mechanism.peak_power_w, mechanism.peak_acceleration_mm_s2)
+        for mechanism in other_mechanisms(beside)
+    ]
     title = f"{beside.design.name}: {what}, all at {beside.design.operation.speed_rpm:.4g} r/min"
     unit = beside.task.linkage.OUTPUT.acceleration.text
     return frontier_plot(rows(limit), rows(laws), rows(family), others, title, unit)
@@ -113,7 +116,7 @@ def machine_files(found: WholeMachines) -> dict[str, bytes]:
     """The content of each file by its name."""
     from ncgear.whole_machines.told import machines_figures
 
-    texts = {f"{one.name}.yaml": one.text.encode() for one in found.machines}
+    texts = {f"{machine.name}.yaml": machine.text.encode() for machine in found.machines}
     return {**texts, FIGURES: json_text(machines_figures(found)).encode()}
 
 

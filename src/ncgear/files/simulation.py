@@ -89,7 +89,7 @@ def mesh_forces(drive: Drive, own: Loads, uniform: Loads) -> list[Chart]:
     if own.mesh is None or uniform.mesh is None:
         return []
     before = list(zip(own.meshes_before, uniform.meshes_before, strict=True))
-    names = [*(f"{one} " for one in ORDINALS[: len(before)]), "last " if before else ""]
+    names = [*(f"{ordinal} " for ordinal in ORDINALS[: len(before)]), "last " if before else ""]
     charts = []
     for of, both in zip(names, [*before, (own.mesh, uniform.mesh)], strict=True):
         angles = (np.degrees(mesh.pressure_angle_rad.value) for mesh in both)
@@ -101,7 +101,7 @@ def mesh_forces(drive: Drive, own: Loads, uniform: Loads) -> list[Chart]:
 def drawn_angles_rad(drive: Drive) -> Array:
     """Rising driving angles of the charts of the rigid level, shape (n,): the angles of its table and of its peaks."""
     peaks, torque = drive.rigid.peaks, drive.rigid.driving.torque_range_n_mm
-    mesh = [one.force_n for one in (peaks.mesh, *peaks.meshes_before) if one is not None]
+    mesh = [forces.force_n for forces in (peaks.mesh, *peaks.meshes_before) if forces is not None]
     found = [*peaks.joints_n.values(), peaks.crank_bearing_n, peaks.guide_n, *torque, *mesh]
     beside = both_sides_rad([peak.at for peak in found], drive.transmission.cycle_rad)
     return distinct(np.concatenate([drive.motion.phi1_rad, beside]))
@@ -124,12 +124,12 @@ def teeth_under_load(drive: Drive, rigid_n_m: Array) -> list[Chart]:
     each = [pair.loaded_contact for pair in drive.by_stage]
     phi1, own = drive.motion.phi1_rad, "teeth give way"
     torque, error = N_M_PER_N_MM * each[0].driving_torque_n_mm, drive.loaded_error_at(phi1)
-    names = (*(f"{one} gears: " for one in ORDINALS[: len(each) - 1]), "")
+    names = (*(f"{ordinal} gears: " for ordinal in ORDINALS[: len(each) - 1]), "")
     return [
         simulated_chart("driving torque", "N m", phi1, (own, torque), ("rigid", rigid_n_m)),
         *(
-            simulated_chart(f"{of}force of one pair", "N", phi1, (own, one.tooth_force_n))
-            for of, one in zip(names, each, strict=True)
+            simulated_chart(f"{of}force of one pair", "N", phi1, (own, pair.tooth_force_n))
+            for of, pair in zip(names, each, strict=True)
         ),
         simulated_chart("ahead of the law", MICRORAD, phi1, (own, 1e6 * error)),
     ]
@@ -155,8 +155,8 @@ def teeth_in_time(shown: History) -> dict[str, tuple[str, Array]]:
         "back force, one pair": ("N", shown.back_n),
         **{
             f"{pair} gears: {side} force, one pair": ("N", force)
-            for pair, one in zip(ORDINALS, shown.before, strict=False)
-            for side, force in (("pushing", one.pushing_n), ("back", one.back_n))
+            for pair, forces in zip(ORDINALS, shown.before, strict=False)
+            for side, force in (("pushing", forces.pushing_n), ("back", forces.back_n))
         },
         "driving torque": ("N m", N_M_PER_N_MM * shown.torque_n_mm),
     }
@@ -208,11 +208,11 @@ def simulate(drive: Drive, level: Level) -> Simulated:
     table, figures, pictures = _at_level(drive, level)
     with_teeth = drive.design.gears is not None and (level is not Level.RIGID or drive.design.drivetrain is not None)
     known = KnownParts.TEETH if with_teeth else KnownParts.MOTION
-    found = [(one, list[Advice]()) for one in ((drive,) if level is Level.RIGID else drive.by_stage)]
+    found = [(pair, list[Advice]()) for pair in ((drive,) if level is Level.RIGID else drive.by_stage)]
     if level is Level.DYNAMIC:
         pairs = zip(drive.by_stage, pairs_in_time(figures), strict=True)
         found = [(pair, _found_in_time(pair, moved)) for pair, moved in pairs]
-    verdict = together([judged(one, known, advices, seconds=0.0) for one, advices in found])
+    verdict = together([judged(pair, known, advices, seconds=0.0) for pair, advices in found])
     return Simulated(table, {**figures, **verdict_summary(verdict)}, pictures, verdict)
 
 

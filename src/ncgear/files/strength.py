@@ -217,7 +217,7 @@ def _field(drive: Drive) -> bytes:
     judged = drive.judged_teeth("elements")
     contacts, roots = judged.strength.contacts, judged.strength.stresses.tension_mpa
     fields = {}
-    for place, (gear, method) in enumerate(zip(Gear, (one.each[0] for one in judged.methods), strict=True)):
+    for place, (gear, method) in enumerate(zip(Gear, (method.each[0] for method in judged.methods), strict=True)):
         assert isinstance(method, Elements)
         places = contacts.on(gear)
         worst_of_tooth = largest_rows(roots[place], places.tooth - 1, drive.teeth.of(gear).teeth)
@@ -233,11 +233,13 @@ def _field(drive: Drive) -> bytes:
 def _gears(drive: Drive, rating: Rating) -> bytes:
     """The pair at the driving angle of the largest stress of its weakest tooth."""
     strength, found = rating.strength, rating.weakest
-    wanted = {(one.gear, one.damage): one.wanted for one in found}
+    wanted = {(weakest.gear, weakest.damage): weakest.wanted for weakest in found}
     gears = {}
     for gear in Gear:
         shares = [life.safety / wanted[gear, damage] for damage, life in lives_of(strength, gear).items()]
-        gears[gear] = ColouredGear(np.min(shares, axis=0), worst([one for one in found if one.gear is gear]).tooth)
+        gears[gear] = ColouredGear(
+            np.min(shares, axis=0), worst([weakest for weakest in found if weakest.gear is gear]).tooth
+        )
     weakest = worst(found)
     (position,) = positions_at(drive, np.array([weakest.phi1_rad]))
     least, tooth = to_digits(weakest.safety, 3), f"tooth {weakest.tooth} of the {weakest.gear.value} gear"

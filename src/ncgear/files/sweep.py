@@ -156,7 +156,7 @@ def _effects_picture(name: str, overview: Overview) -> bytes:
     keys = _foremost(overview)
     places = [overview.space.keys.index(key) for key in keys]
     bins = [known.designs[place] > 0.0 for place in places]
-    heads = [*(f"mean {_head(one.name)}" for one in overview.wanted.objectives), "refused, %"]
+    heads = [*(f"mean {_head(objective.name)}" for objective in overview.wanted.objectives), "refused, %"]
     columns = len(heads)
     width, height = 2.75 * columns + 0.9, 1.75 * len(keys) + TITLE_IN + 0.4
     made = canvas.figure(
@@ -227,8 +227,10 @@ def sweep_files(
         values = {key: whole(value) for key, value in values_of(front, row).items()}
         files[f"{BEST}/{copy}.yaml"] = design_copy(loaded, {"name": copy, **values}).encode()
     files["effects.png"] = _effects_picture(name, shown)
-    names = dict.fromkeys([*_foremost(shown), *(one.name for one in shown.wanted.objectives)])
-    files["scatter.png"] = scatter_matrix([_axis(one, shown, front) for one in names], f"{name}: {shown.kept} designs")
+    names = dict.fromkeys([*_foremost(shown), *(objective.name for objective in shown.wanted.objectives)])
+    files["scatter.png"] = scatter_matrix(
+        [_axis(name, shown, front) for name in names], f"{name}: {shown.kept} designs"
+    )
     for first, second in combinations(range(len(wanted.objectives)), 2):
         ending = "" if len(wanted.objectives) == 2 else f"-{first + 1}-{second + 1}"
         files[f"pareto{ending}.png"] = _pareto_picture(name, shown, overview, chosen, first, second)

@@ -103,7 +103,8 @@ def plan_of(loaded: LoadedDesign, screening: Screening, stage: str) -> dict[str,
     """All values on which the parts of a sweep depend, in words and numbers."""
     space = screening.space
     varied = {
-        one.key: [one.low, one.high] if isinstance(one, Ranged) else _few(list(one.values)) for one in space.varied
+        quantity.key: [quantity.low, quantity.high] if isinstance(quantity, Ranged) else _few(list(quantity.values))
+        for quantity in space.varied
     }
     sampled = {"samples": space.samples, "sampling": space.sampling, "seed": space.seed} if space.ranges else {}
     return {
@@ -188,7 +189,7 @@ def swept(
         tasks = partial(_chosen, parts, screening.rows, taken)
         names = deeper_names(loaded.design, order.stage)
         compute = partial(_deeper_bytes, screening.data, names, order.stage, deep.digest)
-        _computed(deep, [len(one) for one in taken], compute, tasks, on, on_done, held)
+        _computed(deep, [len(part) for part in taken], compute, tasks, on, on_done, held)
         below, _ = _gathered(deep, len(taken), screening.space, wanted)
     return Swept(overview, parts, below, deep)
 

@@ -48,31 +48,31 @@ def spreads(of: Sequence[FigureSpread], title: str) -> bytes:
     rows = -(-len(of) // 2)
     width, height = 8.6, 0.6 + 3.3 * rows
     made = canvas.figure(width, height, title, canvas.Margins(top=0.95), wspace=0.24, hspace=0.45)
-    for place, one in enumerate(of):
-        _histogram(made.add_subplot(rows, 2, place + 1), one)
+    for place, spread in enumerate(of):
+        _histogram(made.add_subplot(rows, 2, place + 1), spread)
     return canvas.png(made)
 
 
-def _histogram(axes: Axes, one: FigureSpread) -> None:
-    low, high = one.values.min(), one.values.max()
+def _histogram(axes: Axes, spread: FigureSpread) -> None:
+    low, high = spread.values.min(), spread.values.max()
     room = ROUNDING * max(abs(low), abs(high))
-    edges = np.histogram_bin_edges(one.values, BINS, (low - room, high + room))
-    counts, _ = np.histogram(one.values, edges)
-    shares = 100.0 * counts / one.values.size
+    edges = np.histogram_bin_edges(spread.values, BINS, (low - room, high + room))
+    counts, _ = np.histogram(spread.values, edges)
+    shares = 100.0 * counts / spread.values.size
     middles = (edges[1:] + edges[:-1]) / 2.0
     bad = np.zeros(middles.size, dtype=bool)
-    if one.limit is not None:
-        bad = middles < one.limit if one.below else middles > one.limit
+    if spread.limit is not None:
+        bad = middles < spread.limit if spread.below else middles > spread.limit
     colors = np.where(bad, canvas.HIGHLIGHT, canvas.DRIVING)
     axes.bar(middles, shares, width=np.diff(edges), color=colors, alpha=0.75, linewidth=0.0)
-    axes.axvline(one.designed, color=canvas.INK, linewidth=1.2, linestyle="--")
+    axes.axvline(spread.designed, color=canvas.INK, linewidth=1.2, linestyle="--")
     note: Style = {"size": canvas.SMALL, "color": canvas.INK, "va": "bottom", "xycoords": ("data", "axes fraction")}
-    axes.annotate("as designed", (one.designed, 1.01), ha="center", **note)
-    if one.limit is not None and edges[0] <= one.limit <= edges[-1]:
-        axes.axvline(one.limit, color=canvas.HIGHLIGHT, linewidth=1.4)
-        side = "right" if one.below else "left"
-        axes.annotate(f" {one.beyond} ", (one.limit, 1.06), ha=side, **{**note, "color": canvas.HIGHLIGHT})
-    canvas.dress(axes, one.label, "share of the assemblies in %")
+    axes.annotate("as designed", (spread.designed, 1.01), ha="center", **note)
+    if spread.limit is not None and edges[0] <= spread.limit <= edges[-1]:
+        axes.axvline(spread.limit, color=canvas.HIGHLIGHT, linewidth=1.4)
+        side = "right" if spread.below else "left"
+        axes.annotate(f" {spread.beyond} ", (spread.limit, 1.06), ha=side, **{**note, "color": canvas.HIGHLIGHT})
+    canvas.dress(axes, spread.label, "share of the assemblies in %")
 
 
 def sources(of: Mapping[str, Mapping[str, tuple[float, float]]], title: str) -> bytes:
@@ -80,8 +80,8 @@ def sources(of: Mapping[str, Mapping[str, tuple[float, float]]], title: str) -> 
 
     ``of`` has, for each figure by its name, the total index and its error of each source by its name.
     """
-    names = list(dict.fromkeys(name for one in of.values() for name in one))
-    largest = {name: max(one.get(name, (0.0, 0.0))[0] for one in of.values()) for name in names}
+    names = list(dict.fromkeys(name for shares in of.values() for name in shares))
+    largest = {name: max(shares.get(name, (0.0, 0.0))[0] for shares in of.values()) for name in names}
     names.sort(key=lambda name: largest[name])
     width, height = 8.2, 1.5 + 0.42 * len(names)
     made = canvas.figure(width, height, title, canvas.Margins(left=2.1, right=0.3, top=0.85))
@@ -122,7 +122,7 @@ def tolerance_files(tolerated: Tolerated) -> dict[str, bytes]:
     shown = {name: tolerated.indices[name] for name in SHOWN if name in tolerated.indices}
     if shown:
         of = {
-            SHOWN[name]: {source_words(one.source): (max(one.total, 0.0), one.error) for one in found}
+            SHOWN[name]: {source_words(index.source): (max(index.total, 0.0), index.error) for index in found}
             for name, found in shown.items()
         }
         files["sources.png"] = sources(of, f"{tolerated.drive.design.name}: which tolerance matters")

@@ -65,7 +65,7 @@ def build_train(name: str, description: str, train: Train, on_step: Callable[[st
         if body not in alike:
             alike[body] = _solid(part, outlines[part.name], train.tolerance_mm)
         solids[part.name] = alike[body]
-    files |= {f"{one}.stl": stl_bytes(solid) for one, solid in solids.items()}
+    files |= {f"{name}.stl": stl_bytes(solid) for name, solid in solids.items()}
     on_step(STEPS[2])
     contacts, distances = contacts_of(train, outlines), distances_of(train, outlines)
     conditions = (*train.told.conditions, *judged_contacts(train, contacts, distances))
@@ -86,7 +86,7 @@ def build_train(name: str, description: str, train: Train, on_step: Callable[[st
 
 
 def _trace_csv(train: Train, name: str, angles: Array) -> bytes:
-    trace = next(one for one in train.traces if one.name == name)
+    trace = next(trace for trace in train.traces if trace.name == name)
     return csv_text(("driving_rad", "x_mm", "y_mm"), [angles, *train.trace_mm(trace, angles).T]).encode()
 
 

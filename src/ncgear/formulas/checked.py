@@ -216,7 +216,7 @@ def _blocks(formulas: Formulas, block: Callable[[str, WrittenPiece], str]) -> It
 
 def _named(piece: WrittenPiece) -> dict[Any, float]:
     """The numbers whose names are not their digits."""
-    return {one: value for one, value in piece.numbers.items() if not str(one)[0].isdigit()}
+    return {name: value for name, value in piece.numbers.items() if not str(name)[0].isdigit()}
 
 
 def _angle(value: float, times: str) -> str:
@@ -238,11 +238,11 @@ def _text_block(named: str, piece: WrittenPiece) -> str:
 
 
 def _latex_block(named: str, piece: WrittenPiece) -> str:
-    names = {one: _latex_name(str(one), piece) for one in (piece.variable, *piece.numbers, *piece.steps)}
+    names = {name: _latex_name(str(name), piece) for name in (piece.variable, *piece.numbers, *piece.steps)}
     first, last = (_angle(end, " ").replace("pi", r"\pi") for end in (piece.start_rad, piece.end_rad))
     lines = [rf"&\text{{{named}: }} {first} \le {names[piece.variable]} \le {last}"]
-    lines += [f"{names[one]} &= {_latex_number(repr(value))}" for one, value in _named(piece).items()]
-    lines += [f"{names[one]} &= {sympy.latex(step, symbol_names=names)}" for one, step in piece.steps.items()]
+    lines += [f"{names[name]} &= {_latex_number(repr(value))}" for name, value in _named(piece).items()]
+    lines += [f"{names[name]} &= {sympy.latex(step, symbol_names=names)}" for name, step in piece.steps.items()]
     whys = [f"no {name}: {why}".replace("_", r"\_") for name, why in piece.without.items()]
     body = " \\\\\n".join([*lines, *(rf"&\text{{{why}}}" for why in whys)])
     return f"\\begin{{align*}}\n{body}\n\\end{{align*}}"
@@ -253,7 +253,7 @@ def _latex_name(name: str, piece: WrittenPiece) -> str:
     if name[0].isdigit():
         return _latex_number(name)
     if name.startswith("d") and symbol(name[1:]) in piece.steps:
-        over, under = (_latex_name(one, piece) for one in (name[1:], str(piece.variable)))
+        over, under = (_latex_name(part, piece) for part in (name[1:], str(piece.variable)))
         return rf"\frac{{\mathrm{{d}} {over}}}{{\mathrm{{d}} {under}}}"
     word, _, index = name.partition("_")
     letter = f"\\{word}" if word in GREEK else word if len(word) == 1 else rf"\mathrm{{{word}}}"
@@ -336,7 +336,7 @@ def _source(formulas: Formulas, language: Language) -> str:
     functions = [(name, of, section) for section in formulas.sections for name, of in functions_of(section).items()]
     handles = ", ".join(f"'{name}', @{name}" for name, _, _ in functions)
     head = [*(f"{language.comment} {line}" for line in _head(formulas)), ""]
-    parts = [line for one in functions for line in _function(language, *one)]
+    parts = [line for function in functions for line in _function(language, *function)]
     return "\n".join([*head, language.begin.replace("{handles}", handles), *parts]).rstrip()
 
 
@@ -364,7 +364,7 @@ def _block(language: Language, condition: str, body: list[str]) -> Iterator[str]
 def _body(language: Language, piece: WrittenPiece, of: str) -> list[str]:
     if of not in piece.quantities:
         return [language.refuse.format(why=piece.without[of])]
-    values = {one: repr(value) for one, value in _named(piece).items()}
-    needed = [one for one in piece.needed(of) if one in values or one in piece.steps]
-    lines = [(one, values[one] if one in values else language.expression(piece.steps[one])) for one in needed]
-    return [*(language.assign.format(name=one, value=value) for one, value in lines), language.result.format(name=of)]
+    values = {name: repr(value) for name, value in _named(piece).items()}
+    needed = [name for name in piece.needed(of) if name in values or name in piece.steps]
+    lines = [(name, values[name] if name in values else language.expression(piece.steps[name])) for name in needed]
+    return [*(language.assign.format(name=name, value=value) for name, value in lines), language.result.format(name=of)]

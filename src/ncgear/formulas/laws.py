@@ -256,7 +256,7 @@ def _integrated(piece: Piece, slope: integrated.Slope, start: float, factor: flo
         write.step("phi_2", (write.number("turned", turned) + integral(coefficients, u)) * _factor(write, factor))
         write.step("i_12", 1 / (value * _factor(write, factor)))
         yield PiecePart(name, ends, write)
-        known = [write.numbers.get(one, 0.0) for one in coefficients]
+        known = [write.numbers.get(coefficient, 0.0) for coefficient in coefficients]
         turned += float(Polynomial(known).integ()(ends[1] - ends[0]))
 
 
@@ -298,7 +298,7 @@ def _first_of_two(piece: Piece, law: StagedLaw) -> Iterator[PiecePart]:
 def _logarithms(lobes: int, *series: Any) -> Iterator[tuple[str, tuple[float, float], FormulaWriter, list[Any]]]:
     """ln i12 without its constant, of one series or of two over the same angles."""
     end = 2.0 * pi / lobes
-    if all(isinstance(one, LogSeries) for one in series):
+    if all(isinstance(logarithm, LogSeries) for logarithm in series):
         write = FormulaWriter("phi_2")
         yield "series", (0.0, end), write, [_harmonics(write, *n, lobes) for n in zip(series, "fg", strict=False)]
         return
@@ -307,9 +307,9 @@ def _logarithms(lobes: int, *series: Any) -> Iterator[tuple[str, tuple[float, fl
         write = FormulaWriter("phi_2")
         u = write.step("u", lobes * write.variable - (write.number("knot", first) if first else 0))
         found = []
-        for one, name in zip(series, "fg", strict=False):
-            assert isinstance(one, PeriodicCubic)
-            coefficients = write.coefficients(name, one.coefficients[:, number].tolist())
+        for logarithm, name in zip(series, "fg", strict=False):
+            assert isinstance(logarithm, PeriodicCubic)
+            coefficients = write.coefficients(name, logarithm.coefficients[:, number].tolist())
             found.append(write.step(name, polynomial(coefficients, u)))
         yield f"piece {number + 1}", (first / lobes, last / lobes), write, found
 

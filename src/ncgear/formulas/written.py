@@ -56,17 +56,17 @@ class WrittenPiece:
     def needed(self, name: str) -> list[Any]:
         """The symbols of steps and numbers that a quantity needs, in order, its own symbol last."""
         wanted = {symbol(name)}
-        for one in reversed(list(self.steps)):
-            if one in wanted:
-                wanted |= self.steps[one].free_symbols
-        return [one for one in (*self.numbers, *self.steps) if one in wanted]
+        for step_name in reversed(list(self.steps)):
+            if step_name in wanted:
+                wanted |= self.steps[step_name].free_symbols
+        return [name for name in (*self.numbers, *self.steps) if name in wanted]
 
     def expression(self, name: str) -> Any:
         """A quantity as one expression of the variable; its numbers have the exact values of the law's numbers."""
-        known = {one: sympy.Float(value, DIGITS) for one, value in self.numbers.items()}
-        for one in self.needed(name):
-            if one in self.steps:
-                known[one] = self.steps[one].xreplace(known)
+        known = {name: sympy.Float(value, DIGITS) for name, value in self.numbers.items()}
+        for step_name in self.needed(name):
+            if step_name in self.steps:
+                known[step_name] = self.steps[step_name].xreplace(known)
         return known[symbol(name)]
 
     def values(self, places: Iterable[float]) -> dict[str, list[Any]]:
@@ -75,9 +75,9 @@ class WrittenPiece:
         with mpmath.workdps(DIGITS):
             for place in places:
                 known = {**self.numbers, self.variable: mpmath.mpf(place)}
-                for one, step in self.steps.items():
+                for step_name, step in self.steps.items():
                     names, function = _compiled(step)
-                    known[one] = function(*(mpmath.mpf(known[name]) for name in names))
+                    known[step_name] = function(*(mpmath.mpf(known[name]) for name in names))
                 for name in found:
                     found[name].append(known[symbol(name)])
         return found
@@ -125,7 +125,7 @@ class FormulaWriter:
         if of not in self._slopes:
             step = self.steps[of]
             change = step.diff(self.variable)
-            for inner in (one for one in list(self.steps) if one in step.free_symbols):
+            for inner in (name for name in list(self.steps) if name in step.free_symbols):
                 change += step.diff(inner) * self.slope(inner)
             change = sympy.factor(change)
             self._slopes[of] = self.step(f"d{of}", change) if change.free_symbols else change
@@ -146,4 +146,6 @@ def polynomial(coefficients: list[Any], argument: Any) -> Any:
 
 def integral(coefficients: list[Any], argument: Any) -> Any:
     """The integral of a polynomial from 0 on."""
-    return argument * polynomial([one / sympy.Integer(k) for k, one in enumerate(coefficients, start=1)], argument)
+    return argument * polynomial(
+        [coefficient / sympy.Integer(k) for k, coefficient in enumerate(coefficients, start=1)], argument
+    )

@@ -211,7 +211,7 @@ def _places(ranges: Iterable[tuple[Extremum, Extremum]]) -> tuple[float, ...]:
 
 def _size(found: tuple[Extremum, Extremum]) -> Extremum:
     """The larger magnitude of both extremes."""
-    return _largest(Extremum(abs(one.value), one.at) for one in found)
+    return _largest(Extremum(abs(extremum.value), extremum.at) for extremum in found)
 
 
 def _largest(found: Iterable[Extremum]) -> Extremum:

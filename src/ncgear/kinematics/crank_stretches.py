@@ -151,8 +151,8 @@ def deceleration_mm_s2(machine: Machine, stretch: CrankStretch) -> float:
 def _extremes_of(machine: Machine, stretch: CrankStretch, function: Callable[[Stretch, Array], Jet]) -> list[float]:
     """Least and greatest values of a function of smooth stretches of the motion, on a stretch of crank angles."""
     found: list[Extremum] = []
-    for one, stroke in by_stroke(machine.linkage, stretch):
-        start, end = driving_rad(machine, one.start_rad), driving_rad(machine, one.end_rad)
+    for within, stroke in by_stroke(machine.linkage, stretch):
+        start, end = driving_rad(machine, within.start_rad), driving_rad(machine, within.end_rad)
         for whole in stretches(machine):
             part = replace(whole, start_rad=max(start, whole.start_rad), end_rad=min(end, whole.end_rad))
             # Rounding must not bring in the other side of a dead centre

@@ -291,8 +291,8 @@ class CrankRocker(CrankRockers[float], Mechanism):
         apart, less = self.ground_mm - self.crank_mm, self.coupler_mm - self.rocker_mm
         excess = {pi: (joined - whole) * (joined + whole) / twice, 0.0: (apart - less) * (apart + less) / twice}
         return tuple(
-            (float(self.side * (self._start_rad - theta) % (2.0 * pi)), float(2.0 * np.arcsinh(np.sqrt(0.5 * one))))
-            for theta, one in excess.items()
+            (float(self.side * (self._start_rad - theta) % (2.0 * pi)), float(2.0 * np.arcsinh(np.sqrt(0.5 * beyond))))
+            for theta, beyond in excess.items()
         )
 
     @property
@@ -376,8 +376,10 @@ class CrankRocker(CrankRockers[float], Mechanism):
         links, crank = self.links(crank_angle), self.crank_body(crank_angle, masses.crank_center_mm)
         axis = self._axis(crank_angle)
         arm, reach = (place(pace, links["rocker"].origin - point) for point in (axis, crank.pin))
-        swings, moves = (moving_force(masses, pace, one.mass_kg, one.center) for one in (rocker, coupler))
-        turned, tilted = (pace.second(one.angle) * (N_PER_KG_MM_S2 * one.inertia_kg_mm2) for one in (rocker, coupler))
+        swings, moves = (moving_force(masses, pace, body.mass_kg, body.center) for body in (rocker, coupler))
+        turned, tilted = (
+            pace.second(body.angle) * (N_PER_KG_MM_S2 * body.inertia_kg_mm2) for body in (rocker, coupler)
+        )
         # Counter-clockwise moments of the pin's force about the axis, and of its opposite about the crank's pin
         about_axis = turned + place(pace, rocker.center - axis).cross(swings) - self.side * resistance_n
         about_pin = tilted + place(pace, coupler.center - crank.pin).cross(moves)

@@ -194,6 +194,6 @@ def shaking_force(moving: Sequence[Mass], crank: CrankBody, masses: Masses, pace
     Mechanisms", 4th edition, 2011, chapter 17.
     """
     along, across = crank.center.x * masses.crank_kg, crank.center.y * masses.crank_kg
-    for one in moving:
-        along, across = along + one.center.x * one.mass_kg, across + one.center.y * one.mass_kg
+    for body in moving:
+        along, across = along + body.center.x * body.mass_kg, across + body.center.y * body.mass_kg
     return Vector(pace.second(along), pace.second(across)) * -N_PER_KG_MM_S2

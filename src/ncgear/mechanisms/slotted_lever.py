@@ -295,9 +295,9 @@ class SlottedLever(SlottedLevers[float], Mechanism):
         crank = self.crank_body(crank_angle, masses.crank_center_mm)
         still = 0.0 * crank_angle
         axis = Vector(still, still - self.pivot_mm)
-        slides, swings, moves = (moving_force(masses, pace, one.mass_kg, one.center) for one in (ram, lever, block))
+        slides, swings, moves = (moving_force(masses, pace, body.mass_kg, body.center) for body in (ram, lever, block))
         ram_pin = Vector(slides.x + resistance_n, 0.0 * slides.x)
-        sine, cosine = (pace.now(one) for one in jet.sin_cos(lever.angle))
+        sine, cosine = (pace.now(component) for component in jet.sin_cos(lever.angle))
         turned = pace.second(lever.angle) * (N_PER_KG_MM_S2 * lever.inertia_kg_mm2)
         turned = turned + place(pace, lever.center - axis).cross(swings)
         turned = turned + place(pace, self._on_lever(lever.angle, self.lever_mm) - axis).cross(ram_pin)

@@ -263,7 +263,7 @@ def _by_teeth(outline: ExactOutline, points: ComplexArray, probe_mm: float, fit:
         angles = [fit.pose.angle_rad + step * 2.0 * pi / count for step in (-1, 1)]
         poses = (Pose(angle, middle - outline.middle_mm * complex(np.exp(1j * angle))) for angle in angles)
         beside = [_fitted(outline, points, probe_mm, pose, True, TRIED_ROUNDS) for pose in poses]
-        best = min((one for one in beside if one is not None), key=lambda one: one.rms_mm, default=fit)
+        best = min((fit for fit in beside if fit is not None), key=lambda fit: fit.rms_mm, default=fit)
         if best.rms_mm * ALIKE >= fit.rms_mm:
             break
         fit = best

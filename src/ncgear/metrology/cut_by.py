@@ -84,7 +84,7 @@ def cut_by(pitch: PitchPair, teeth: ToothedPair, gear: Gear, round_tool: RoundTo
         hob, shaper = _hob(pitch, teeth, gear), _shaper(pitch, teeth, gear)
     if helix == "herringbone":
         hob = CutBy(Tool.HOB, CutVerdict.NOT, "herringbone teeth leave it no way out")
-    hob, shaper = (_passes(one, teeth.of(gear).flanks) for one in (hob, shaper))
+    hob, shaper = (_passes(tool, teeth.of(gear).flanks) for tool in (hob, shaper))
     return [hob, shaper, *(_round(tool, round_tool, helix) for tool in (Tool.WIRE, Tool.END_MILL))]
 
 

@@ -192,7 +192,9 @@ def exact_outline(gear: ToothedGear) -> ExactOutline:
     order = np.argsort(np.concatenate([stretch.rank for stretch in stretches]), kind="stable")
     part, number = part[order], number[order]
     share = np.linspace(0.0, 1.0, PROBES)
-    by_part = [as_complex(one.at(np.arange(one.owner.size)[:, None], share[None, :])[0]) for one in stretches]
+    by_part = [
+        as_complex(stretch.at(np.arange(stretch.owner.size)[:, None], share[None, :])[0]) for stretch in stretches
+    ]
     length = np.abs(np.diff(np.concatenate(by_part)[order], axis=1)).sum(axis=1)
     begin = np.append(0.0, np.cumsum(length)[:-1])
     material = -1.0 if gear.flanks.curve.gear is Gear.DRIVING else 1.0
@@ -217,7 +219,7 @@ def exact_points(gear: ToothedGear) -> Array:
     """Points of all exact curves of a gear's outline, shape (n, 2)."""
     share = (np.arange(PER_CURVE) + OFF_GRID) / PER_CURVE
     stretches = exact_curves(gear.tips, gear.sides)
-    points = [one.at(np.arange(one.owner.size)[:, None], share)[0].reshape(-1, 2) for one in stretches]
+    points = [stretch.at(np.arange(stretch.owner.size)[:, None], share)[0].reshape(-1, 2) for stretch in stretches]
     return np.concatenate(points)
 
 

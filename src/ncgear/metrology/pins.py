@@ -248,12 +248,12 @@ def over_two_pins(working: WorkingFlanks, pins: Pins) -> TwoPins:
     return _apart(working, pins, row[first[both]], row[second[both]])
 
 
-def _apart(working: WorkingFlanks, pins: Pins, one: IndexArray, other: IndexArray) -> TwoPins:
+def _apart(working: WorkingFlanks, pins: Pins, numbers: IndexArray, other: IndexArray) -> TwoPins:
     sense, radius = (-1.0 if working.is_ring else 1.0), pins.diameter_mm / 2.0
-    way = pins.center_mm[one] - pins.center_mm[other]
+    way = pins.center_mm[numbers] - pins.center_mm[other]
     length = np.linalg.norm(way, axis=1)
     outwards = sense * way / length[:, None]
-    free = _stands_out(working, pins.space[one] - 1, pins.center_mm[one], radius, outwards)
+    free = _stands_out(working, pins.space[numbers] - 1, pins.center_mm[numbers], radius, outwards)
     free &= _stands_out(working, pins.space[other] - 1, pins.center_mm[other], radius, -outwards)
     distance = length + sense * pins.diameter_mm
-    return TwoPins(pins.space[one[free]], pins.space[other[free]], distance[free])
+    return TwoPins(pins.space[numbers[free]], pins.space[other[free]], distance[free])

@@ -105,8 +105,8 @@ class _Outline:
         share, number = place - number, number % self.kind.size
         kind, row = self.kind[number], self._row[number]
         point, slope = np.empty((*place.shape, 2)), np.empty((*place.shape, 2))
-        for one, curve in enumerate(self._curves):
-            chosen = kind == one
+        for own, curve in enumerate(self._curves):
+            chosen = kind == own
             if chosen.any():
                 point[chosen], slope[chosen] = curve.at(row[chosen], share[chosen])
         normal = self._side * np.stack([-slope[..., 1], slope[..., 0]], axis=-1)

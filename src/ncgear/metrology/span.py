@@ -175,7 +175,7 @@ def measuring_chords(curve: ClosedPitchCurve, angle_rad: float, turn_rad: float 
     found = _closed_in(way, (start, end), change)
     # A dent flatter than a step lets the end leap unseen: there the offset changes sign and is nowhere zero
     offset, length = _offset(way, *found)
-    first, last = (one[np.abs(offset) <= EVEN * length] for one in found)
+    first, last = (chords[np.abs(offset) <= EVEN * length] for chords in found)
     arcs = _middles(even, neighbours)
     begun, ended = way.start(first), way.curve.at_length(last)
     radii = 1.0 / begun.curvature + 1.0 / ended.curvature
@@ -233,7 +233,7 @@ def _middles(even: Mask, neighbours: Mask) -> IndexArray:
     if len(stretches) > 1 and even[0] and even[-1]:
         *others, last = stretches
         stretches = [np.concatenate([last[:-1], others[0]]), *others[1:]]
-    return np.array([one[one.size // 2] for one in stretches], dtype=np.intp)
+    return np.array([stretch[stretch.size // 2] for stretch in stretches], dtype=np.intp)
 
 
 def _end_of(way: _Way, start: Array, low: Array, high: Array) -> Array:

@@ -286,7 +286,7 @@ class Symbol(NDArrayOperatorsMixin):
         self.text = text
 
     def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **kwargs: Any) -> Symbol:
-        parts = [_text(one) for one in inputs]
+        parts = [_text(operand) for operand in inputs]
         if method == "__call__" and not kwargs:
             if ufunc in SYMBOLIC:
                 return Symbol(f"{SYMBOLIC[ufunc]}({', '.join(parts)})")

@@ -192,10 +192,10 @@ def joined(start: Pulled, found: Sequence[Stepped]) -> tuple[Array, Array, Array
 
     These are Chebyshev's coefficients in the steps, shape (9, n, 4).
     """
-    time = np.append(0.0, np.cumsum([one.width for one in found]))
-    half, ends = np.diff(time) / 2.0, [start, *(one.end for one in found)]
+    time = np.append(0.0, np.cumsum([part.width for part in found]))
+    half, ends = np.diff(time) / 2.0, [start, *(part.end for part in found)]
     at_ends = np.array([(now.place, now.speed, now.pull.acceleration) for now in ends])
-    known = np.stack([at_ends[:-1], np.array([one.middle for one in found]), at_ends[1:]])
+    known = np.stack([at_ends[:-1], np.array([part.middle for part in found]), at_ends[1:]])
     places = np.tensordot(_through_three(), known * half[:, None] ** np.arange(3), axes=([1, 2], [2, 0]))
     speeds = np.append(chebyshev.chebder(places) / half, np.zeros((1, half.size)), axis=0)
     place, speed, _ = at_ends.T

@@ -138,7 +138,7 @@ def _power_with_masses_w(
     start = strokes.theta4_rad[:, None]
     phi1 = np.hstack([phi1, start + (task.cycle_rad - start) * shares(RETURN_POINTS.count)])
     homeward = back.driven_rad, *back.slopes
-    turned, slope, change = (np.hstack([one, two[:, 0]]) for one, two in zip(driven, homeward, strict=True))
+    turned, slope, change = (np.hstack([away, two[:, 0]]) for away, two in zip(driven, homeward, strict=True))
     returning = np.broadcast_to(np.arange(phi1.shape[1]) >= out.displacement.shape[1], phi1.shape)
     resistance = task.load.backwards_n(np.hstack([out.displacement, back.displacement[:, 0]]), returning)
     angle = Jet(np.stack([turned.ravel(), slope.ravel(), change.ravel() / 2.0]))
@@ -160,10 +160,15 @@ def strokes_at(family: LawFamily, points: Array) -> tuple[WorkingStrokes[Array],
 def request_at(family: LawFamily, point: Array) -> StrokeRequest:
     """The stroke of one point of the unit box for the solver of strokes, which finds v2."""
     strokes, _ = strokes_at(family, point[None])
-    one = {name: float(values[0]) for name, values in vars(strokes).items() if values.ndim == 1}
+    request = {name: float(values[0]) for name, values in vars(strokes).items() if values.ndim == 1}
     omega = family.task.speed_rad_s
-    theta = one["theta1_rad"], one["theta2_rad"], max(one["theta3_rad"], one["theta2_rad"]), one["theta4_rad"]
-    return StrokeRequest(*theta, one["v1"] * omega, None, one["a1"] * omega**2, omega, one["stroke_mm"])
+    theta = (
+        request["theta1_rad"],
+        request["theta2_rad"],
+        max(request["theta3_rad"], request["theta2_rad"]),
+        request["theta4_rad"],
+    )
+    return StrokeRequest(*theta, request["v1"] * omega, None, request["a1"] * omega**2, omega, request["stroke_mm"])
 
 
 def constant_at(family: LawFamily, point: Array) -> float:
@@ -345,8 +350,8 @@ def _under_cap(family: LawFamily, least: PeakGoal, cap: float, point: Array) -> 
         found = _made(family, point)
         if not found:
             return None
-        if kept := [one for one in found if over(one) <= 1.0 + WITHIN]:
-            return min(kept, key=lambda one: one.peak(least))
+        if kept := [law for law in found if over(law) <= 1.0 + WITHIN]:
+            return min(kept, key=lambda law: law.peak(least))
         tightened /= min(map(over, found))
         point = _descended(family, least, tightened, point)
     return None

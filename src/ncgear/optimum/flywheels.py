@@ -126,7 +126,7 @@ class FlywheelSearch:
         return self._smallest()
 
     def _smallest(self) -> FlywheelLaw:
-        goals = [one.goal for one in self.found.values()]
+        goals = [result.goal for result in self.found.values()]
         enough = min(goals) + AS_GOOD * max(goals)
         for _ in range(CLOSER):
             sizes = sorted(self.found)
@@ -217,8 +217,8 @@ def flywheel_points(
     limits = replace(wishes.limits, peak_power_w=None)
     search = FlywheelSearch(task, replace(wishes, goal=Goal.POWER, weights=None, limits=limits), tell)
     points = []
-    for one in search.of_sizes(least_kg_mm2, most_kg_mm2, count):
-        wheeled = with_flywheel(task, one.flywheel_kg_mm2)
+    for point in search.of_sizes(least_kg_mm2, most_kg_mm2, count):
+        wheeled = with_flywheel(task, point.flywheel_kg_mm2)
         limit = least_power(wheeled, demands_of(wheeled, search.wishes))
-        points.append(FlywheelPoint(one.flywheel_kg_mm2, limit.value, figures(wheeled, one.law.train(task.lobes))))
+        points.append(FlywheelPoint(point.flywheel_kg_mm2, limit.value, figures(wheeled, point.law.train(task.lobes))))
     return points

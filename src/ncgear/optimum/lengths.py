@@ -68,8 +68,8 @@ class LengthSearch:
     ) -> None:
         self.unknowns, self.found = unknowns, dict[Values, TriedLaw | None]()
         self._machine, self._tell = machine, tell
-        self._least = np.array([one.least for one in unknowns])
-        self._width = np.array([one.most - one.least for one in unknowns])
+        self._least = np.array([unknown.least for unknown in unknowns])
+        self._width = np.array([unknown.most - unknown.least for unknown in unknowns])
 
     def best(self, start: Motion | None = None) -> TriedLaw:
         """The best of all tried laws; the law with the given values where no other law is better.
@@ -79,11 +79,11 @@ class LengthSearch:
         # Loads slowly
         from scipy.optimize import Bounds, minimize
 
-        given = self._rounded(self._shares([one.given for one in self.unknowns]))
+        given = self._rounded(self._shares([unknown.given for unknown in self.unknowns]))
         first = self._tried(given, start)
         self._tried(tuple(self._best_alone(given, number) for number in range(len(given))))
         if not self._laws:
-            for corner in product(*((one.least, one.most) for one in self.unknowns)):
+            for corner in product(*((unknown.least, unknown.most) for unknown in self.unknowns)):
                 self._tried(corner)
         if self._laws:
             minimize(
@@ -104,21 +104,21 @@ class LengthSearch:
 
     def _best_alone(self, given: Values, number: int) -> float:
         """The best of an unknown's given value and both ends of its range, with the given values of all others."""
-        one = self.unknowns[number]
+        unknown = self.unknowns[number]
         tried = [
             self._tried((*given[:number], value, *given[number + 1 :]))
-            for value in (given[number], one.least, one.most)
+            for value in (given[number], unknown.least, unknown.most)
         ]
         laws = [law for law in tried if law is not None]
         return min(laws, key=lambda law: law.cost).values[number] if laws else given[number]
 
     @property
     def _laws(self) -> list[TriedLaw]:
-        return [one for one in self.found.values() if one is not None]
+        return [law for law in self.found.values() if law is not None]
 
     @property
     def _cheapest(self) -> TriedLaw:
-        return min(self._laws, key=lambda one: one.cost)
+        return min(self._laws, key=lambda law: law.cost)
 
     def _shares(self, values: Sequence[float]) -> Array:
         """Places of values in their ranges, 0 to 1, shape (unknowns,)."""
@@ -127,16 +127,19 @@ class LengthSearch:
     def _rounded(self, shares: Array) -> Values:
         """Values at places in their ranges, with digits that a workshop can read; ends and given values stay."""
         made = []
-        for one, value in zip(self.unknowns, (self._least + self._width * shares).tolist(), strict=True):
-            exact = next((end for end in (one.least, one.most, one.given) if abs(end - value) < 1e-9 * abs(end)), None)
+        for unknown, value in zip(self.unknowns, (self._least + self._width * shares).tolist(), strict=True):
+            exact = next(
+                (end for end in (unknown.least, unknown.most, unknown.given) if abs(end - value) < 1e-9 * abs(end)),
+                None,
+            )
             short = float(f"{value:.{DIGITS}g}")
-            made.append(min(max(short, one.least), one.most) if exact is None else exact)
+            made.append(min(max(short, unknown.least), unknown.most) if exact is None else exact)
         return tuple(made)
 
     def _cost(self, values: Values) -> float:
         """The cost of the best law; without a law the cost of the worst law found, since a model needs a number."""
         tried = self._tried(values)
-        return max(one.cost for one in self._laws) if tried is None else tried.cost
+        return max(law.cost for law in self._laws) if tried is None else tried.cost
 
     def _tried(self, values: Values, start: Motion | None = None) -> TriedLaw | None:
         if values not in self.found:
@@ -166,8 +169,8 @@ class LengthSearch:
     def _near(self, values: Values) -> Motion | None:
         place = self._shares(values)
 
-        def apart(one: TriedLaw) -> float:
-            return float(np.linalg.norm(self._shares(one.values) - place))
+        def apart(law: TriedLaw) -> float:
+            return float(np.linalg.norm(self._shares(law.values) - place))
 
         return min(self._laws, key=apart).law.motion if self._laws else None
 

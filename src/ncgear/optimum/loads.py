@@ -94,14 +94,14 @@ def machine_loads(mechanism: Mechanism, masses: Masses, crank_angle_rad: Array, 
     angle = Jet.variable(crank_angle_rad, 2)
     weightless = replace(masses, gravity_m_s2=(0.0, 0.0))
     motions = (REST, UNIT_SPEED, UNIT_ACCELERATION)
-    paces = [CrankPace(*(np.full(crank_angle_rad.size, one) for one in motion)) for motion in motions]
+    paces = [CrankPace(*(np.full(crank_angle_rad.size, component) for component in motion)) for motion in motions]
     forces = [
         mechanism.joint_forces(angle, masses, paces[0], resistance_n),
         *(mechanism.joint_forces(angle, weightless, pace, np.zeros_like(resistance_n)) for pace in paces[1:]),
     ]
 
     def affine(of: Callable[[JointForces], Term]) -> Affine:
-        return Affine(*(_column(of(one), crank_angle_rad.size) for one in forces))
+        return Affine(*(_column(of(force), crank_angle_rad.size) for force in forces))
 
     moving = mechanism.moving_masses(angle, masses)
     crank = mechanism.crank_body(angle, masses.crank_center_mm)
@@ -109,10 +109,10 @@ def machine_loads(mechanism: Mechanism, masses: Masses, crank_angle_rad: Array, 
     inertia, slope = reduced_inertia(moving, masses)
     return MachineLoads(
         crank_angle_rad,
-        torque_n_mm=affine(lambda one: one.torque_n_mm),
-        bearing_n=affine(lambda one: one.crank_axis),
+        torque_n_mm=affine(lambda load: load.torque_n_mm),
+        bearing_n=affine(lambda load: load.crank_axis),
         joints_n={name: affine(_joint(name)) for name in mechanism.JOINTS},
-        guide_n=affine(lambda one: one.guide_n),
+        guide_n=affine(lambda load: load.guide_n),
         shaking_n=shaking,
         inertia_kg_mm2=inertia,
         inertia_slope_kg_mm2=slope,
@@ -126,5 +126,5 @@ def _joint(name: str) -> Callable[[JointForces], Vector]:
 def _column(term: Term, count: int) -> Array:
     """Values of shape (count,), or (count, 2) for a vector, even where a mechanism gives a plain number."""
     if isinstance(term, Vector):
-        return np.stack([np.broadcast_to(one, count) for one in (term.x, term.y)], axis=-1)
+        return np.stack([np.broadcast_to(coordinate, count) for coordinate in (term.x, term.y)], axis=-1)
     return np.array(np.broadcast_to(term, count), dtype=float)

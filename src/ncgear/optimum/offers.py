@@ -24,6 +24,6 @@ class Refused(NoSuchMechanism):
 
     def among(self, allowed: Callable[[Sequence[Offer]], bool]) -> Refused:
         """The same refusal with the allowed offers; without offers where all are needed but not all are allowed."""
-        alone = [one for one in self.offers if allowed([one])] if self.each else self.offers
+        alone = [offer for offer in self.offers if allowed([offer])] if self.each else self.offers
         offers = alone if self.each or allowed(self.offers) else ()
         return Refused(self.said, offers, self.key, self.told, each=self.each, found=self.found)

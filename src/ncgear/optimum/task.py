@@ -282,7 +282,7 @@ def figures(task: Task, train: PairsInSeries, as_large_as: PairsInSeries | None 
     """
     machine, above = Machine(train.whole, task.linkage, task.load, task.speed_rad_s), task.harmonics_above
     check, jerk = kinematic_check(machine), peak_jerk(machine)
-    pairs = [_pair(task, one) for one in train.pairs]
+    pairs = [_pair(task, pair) for pair in train.pairs]
     sized = pairs[0] if as_large_as is None else _pair(task, as_large_as.pairs[0])
     place = None if task.gears is None or len(pairs) > 1 else _place_of(task, task.gears, sized)
     lowest, highest = train.whole.ratio_range

@@ -37,7 +37,7 @@ class Judgement:
 
     def count(self, verdict: Finding) -> int:
         """Number of entries with a verdict."""
-        return sum(one.entry.verdict is verdict for one in self.entries)
+        return sum(entry.entry.verdict is verdict for entry in self.entries)
 
 
 def judgement(paper: Paper) -> Judgement:

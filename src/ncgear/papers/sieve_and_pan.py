@@ -258,7 +258,7 @@ class SweepTable:
     def below_none(self) -> Computed:
         """Mean, r.m.s.  and spread with each counterweight, paired with the first row, which has no counterweight."""
         columns = [list(map(float, column)) for column in (self.mean, self.rms, self.spread)]
-        return computed(*(value for column in columns for one in column[1:] for value in (one, column[0])))
+        return computed(*(value for column in columns for reading in column[1:] for value in (reading, column[0])))
 
     def forces(self, mass: str) -> tuple[str, ...]:
         """Least, largest, mean and r.m.s. force of one row."""

@@ -115,7 +115,7 @@ class Chambers:
             whole, rate = self.curves.ring(phi, 0)
             return whole.value**2 * rate.value / 2.0
 
-        sun, ring = (chebyshev.fitted(one, [0.0, self.curves.lobe_rad]).integrated() for one in (on_sun, on_ring))
+        sun, ring = (chebyshev.fitted(area, [0.0, self.curves.lobe_rad]).integrated() for area in (on_sun, on_ring))
         return sun, ring
 
     def area_mm2(self, place_rad: Array) -> Array:
@@ -137,7 +137,7 @@ class Chambers:
 
     def _turned_by(self, phi: Array) -> Array:
         """r R / 2."""
-        r, cosine, _ = (one.value for one in self.curves.sun(phi, 0))
+        r, cosine, _ = (jet.value for jet in self.curves.sun(phi, 0))
         return np.asarray(r * (r + 2.0 * self.curves.planet_radius_mm * cosine) / 2.0)
 
     @cached_property

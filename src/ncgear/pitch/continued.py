@@ -126,7 +126,7 @@ def continued(law: Transmission, covered: OpenRange, pitch_share: float) -> Tran
             )
     gentle = max(GENTLE, *(abs(value) for value in _range_sharpness(law)))
     ways = [(sharpness, way) for way in _ways(law, covered) if np.isfinite(sharpness := _sharpness(way, 0.0))]
-    ranked = [way for _, way in sorted(ways, key=lambda one: (max(one[0] / gentle, 1.0), sum(one[1].turns)))]
+    ranked = [way for _, way in sorted(ways, key=lambda tried: (max(tried[0] / gentle, 1.0), sum(tried[1].turns)))]
     found: list[tuple[float, _Way, float, int]] = []
     for way, waves in (*product(ranked[:TRIED], [WAVES]), *product(ranked, [GREAT_WAVES])):
         if found and (waves is GREAT_WAVES or min(found, key=_choice)[0] == 1.0):

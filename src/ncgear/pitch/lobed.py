@@ -280,7 +280,7 @@ def lobed_curves(
         return LobedCurves(family(size, eccentricity, sun_lobes), sun_lobes, ring_lobes, rho)
 
     def missing(size: Array, eccentricity: float) -> Array:
-        rates = [curves(one, eccentricity).ring(points, 0)[1].value @ weights for one in size]
+        rates = [curves(size_of_ring, eccentricity).ring(points, 0)[1].value @ weights for size_of_ring in size]
         return np.array(rates) - 2.0 * pi / ring_lobes
 
     def size_of(eccentricity: float) -> float:
@@ -294,8 +294,8 @@ def lobed_curves(
 
     def excess(eccentricities: Array) -> Array:
         found = []
-        for one in eccentricities:
-            r, cosine, _ = curves(size_of(float(one)), float(one)).sun(points, 0)
+        for eccentricity in eccentricities:
+            r, cosine, _ = curves(size_of(float(eccentricity)), float(eccentricity)).sun(points, 0)
             found.append((r / cosine).value @ weights - wanted)
         return np.array(found)
 

@@ -59,7 +59,7 @@ class RolledCurve(ClosedPitchCurve):
 
     def at_angle(self, phi1: Array) -> CurvePoints:
         """The curve at driving angles in rad, of any shape."""
-        point, slope, bend = (one.reshape(np.shape(phi1)) for one in self.path(np.ravel(phi1)))
+        point, slope, bend = (coordinates.reshape(np.shape(phi1)) for coordinates in self.path(np.ravel(phi1)))
         tangent = slope / np.abs(slope)
         side = outside(self.gear)
         curvature = -side * across(slope, bend) / np.abs(slope) ** 3

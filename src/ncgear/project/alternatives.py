@@ -137,7 +137,7 @@ def overstepped(design: Design) -> set[str]:
     Only limits of the ratio and of the motion without masses count.  Raises DesignError where there is no such law.
     """
     drive = Drive(design)
-    missed = {one.wish.key for one in drive.outcomes if one.wish.hard and not one.kept}
+    missed = {outcome.wish.key for outcome in drive.outcomes if outcome.wish.hard and not outcome.kept}
     low, high = drive.transmission.ratio_range
     limits = (design.optimize or Optimize()).limits
     least_ratio = {"ratio_min"} if low.value < limits.ratio_min else set()

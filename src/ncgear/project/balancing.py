@@ -87,8 +87,8 @@ class Balancing(Shown):
             stated = given.masses
             masses = drive.masses if stated is None else masses_of(stated, linkage, stated_inertia(stated))
         added = tuple(
-            Counterweight(Carrier(one.on), one.mass_kg, one.arm_mm, radians(one.angle_deg))
-            for one in given.counterweights
+            Counterweight(Carrier(weight.on), weight.mass_kg, weight.arm_mm, radians(weight.angle_deg))
+            for weight in given.counterweights
         )
         assert isinstance(masses, RodMasses)
         mechanism = DrivenCrank(linkage, transmission, self._speed_rad_s, masses, added)
@@ -141,17 +141,19 @@ def crank_counterweight(given: keys.Sweep) -> Counterweight:
 
 def readings_of(given: keys.Readings | None) -> tuple[complex, ...]:
     """Readings as complex numbers."""
-    return tuple(_polar(one.amplitude, one.phase_deg) for one in given or ())
+    return tuple(_polar(reading.amplitude, reading.phase_deg) for reading in given or ())
 
 
 def trial_runs_of(given: keys.Rotor) -> list[TrialRun]:
     """Runs with trial weights in g."""
-    return [TrialRun(_polar(one.mass_g, one.angle_deg), readings_of(one.readings)) for one in given.trials or ()]
+    return [
+        TrialRun(_polar(trial.mass_g, trial.angle_deg), readings_of(trial.readings)) for trial in given.trials or ()
+    ]
 
 
 def weight_runs_of(given: keys.ChainDrive) -> list[WeightRun]:
     """Runs with one weight at several phases."""
-    return [WeightRun(radians(one.weight_deg), _polar(one.amplitude, one.phase_deg)) for one in given.runs or ()]
+    return [WeightRun(radians(run.weight_deg), _polar(run.amplitude, run.phase_deg)) for run in given.runs or ()]
 
 
 def chain_phases_of(given: keys.ChainDrive) -> ChainPhases:

@@ -300,7 +300,7 @@ class BestLaw(law_task.SoughtMachine, Shown):
         search = partial(_found_from, self.design, begun.inertia, begun.start)
         others = dict(finished(search, range(1, self._starts), *self._where))
         found = [others[number] for number in sorted(others)]
-        return [usual, *(replace(usual, **one._asdict()) for one in found if one is not None)]
+        return [usual, *(replace(usual, **settings._asdict()) for settings in found if settings is not None)]
 
     @property
     def starts(self) -> Starts:

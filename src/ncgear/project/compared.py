@@ -116,10 +116,10 @@ def compared_pair(
     gears = tuple(compared_gear(outlines, gear, file, fit, probe_mm) for gear, file in files.items())
     placement, reach = placed(pitch), reach_mm(pitch, teeth)
     exact = {gear: teeth.of(gear).outline_mm for gear in Gear}
-    named = {"measured points": {**exact, **{one.gear: one.outline_mm for one in gears}}, "exact outlines": exact}
+    named = {"measured points": {**exact, **{gear.gear: gear.outline_mm for gear in gears}}, "exact outlines": exact}
     both = [Outlines(name, of[Gear.DRIVING], of[Gear.DRIVEN]) for name, of in named.items()]
-    contact = [_contact(one, teeth, placement, reach) for one in both]
-    extremes = [play_extremes(one, pitch, at, placement, reach) for one, at in zip(both, contact, strict=True)]
+    contact = [_contact(outline, teeth, placement, reach) for outline in both]
+    extremes = [play_extremes(outline, pitch, at, placement, reach) for outline, at in zip(both, contact, strict=True)]
     lever_mm = idle_arms_mm(pitch, drive.rack)[0].value
     return ComparedPair(gears, teeth, placement, contact[0], contact[1], extremes[0], extremes[1], lever_mm)
 

@@ -105,7 +105,7 @@ class Drive(Geared):
         """
         if stage is None and self.design.stages > 1:
             said, key = self.design.stages_said
-            numbers = listed(f"--stage {one.stage}" for one in self.by_stage)
+            numbers = listed(f"--stage {pair.stage}" for pair in self.by_stage)
             raise WrongInput(f"given: {said}; {numbers} says which one", key=key)
         if stage is not None and self.design.stages == 1:
             raise WrongInput("has one pair of gears; leave out --stage", key="motion")
@@ -254,7 +254,7 @@ class Drive(Geared):
             return self.whole.drivetrain
         rigid, knocking, jam = self.rigid, self.knocking, self.jam
         straight = self.by_stage if self.helix is None else ()
-        touching = [(TouchingTeeth(one.teeth, one.pitch, one.designed_contact), one.pair) for one in straight]
+        touching = [(TouchingTeeth(stage.teeth, stage.pitch, stage.designed_contact), stage.pair) for stage in straight]
         with self.stopwatch("drivetrain"):
             return drivetrain_of(self.design, rigid, touching, knocking, jam)
 
@@ -273,11 +273,11 @@ class Drive(Geared):
     def knocks(self) -> tuple[Knock, ...] | None:
         """The knocks of all teeth in a turn of the driven gear; None where they are not computed or are refused."""
         try:
-            found = [one.loading_by(self.design.strength.method).knocks for one in self.whole.by_stage]
+            found = [pair.loading_by(self.design.strength.method).knocks for pair in self.whole.by_stage]
         except DesignError:
             # Shafts and bearings are judged even if the teeth are refused.
             return None
-        each = [one for one in found if one is not None]
+        each = [knocks for knocks in found if knocks is not None]
         return tuple(chain.from_iterable(each)) if len(each) == len(found) else None
 
     @computed
@@ -287,8 +287,8 @@ class Drive(Geared):
 
         if not self.knocks:
             return None
-        each = [one.loading_by(self.design.strength.method).borne for one in self.whole.by_stage]
-        borne = tuple(one for one in each if one is not None)
+        each = [pair.loading_by(self.design.strength.method).borne for pair in self.whole.by_stage]
+        borne = tuple(torque for torque in each if torque is not None)
         return KnockingMachine(self.rigid.machine, self.law.train.pairs, borne) if len(borne) == len(each) else None
 
     @computed
@@ -340,7 +340,9 @@ class Drive(Geared):
 
         sections = self.face_sections
         driving, driven = (
-            InSections(tuple(estimated(one.teeth.of(gear), material, sections.helix_rad) for one in sections.each))
+            InSections(
+                tuple(estimated(section.teeth.of(gear), material, sections.helix_rad) for section in sections.each)
+            )
             for gear, material in zip(Gear, self.materials, strict=True)
         )
         width_mm = self.gears.face_width_mm
@@ -407,7 +409,7 @@ class Drive(Geared):
 
         sections, width_mm = self.face_sections, self.gears.face_width_mm
         stiff = stiffnesses(self.tooth_load, sections, width_mm, methods, materials)
-        each = [(one.teeth, own) for one, own in zip(sections.each, stiff, strict=True)]
+        each = [(section.teeth, own) for section, own in zip(sections.each, stiff, strict=True)]
         return meshing_of(self.design.simulation.of_own_stiffness, self.pitch, each, sides, within_modules)
 
     @computed
@@ -419,13 +421,13 @@ class Drive(Geared):
         from ncgear.project.forces import train_borne_by
         from ncgear.project.tooth_strength import methods_of
 
-        loads = [one.tooth_load for one in self.by_stage]
+        loads = [pair.tooth_load for pair in self.by_stage]
         if loads[0].load != "masses":
             return tuple(BorneTorque(load.torque_n_mm, self.transmission.cycle_rad) for load in loads)
         both = BOTH_SIDES, WITHIN_IN_MODULES
         meshings = [
-            one._bearing(methods_of("estimate", one.face_sections, one.materials, one.rims), one.materials, *both)
-            for one in self.by_stage
+            pair._bearing(methods_of("estimate", pair.face_sections, pair.materials, pair.rims), pair.materials, *both)
+            for pair in self.by_stage
         ]
         with self.stopwatch("knocks"):
             return train_borne_by(self.design.simulation, loads, meshings)
@@ -436,7 +438,9 @@ class Drive(Geared):
         from ncgear.project.forces import meshing_of
 
         pitch = self.pitch
-        sections = [(one.teeth, own) for one, own in zip(self.face_sections.each, self.section_stiffness, strict=True)]
+        sections = [
+            (section.teeth, own) for section, own in zip(self.face_sections.each, self.section_stiffness, strict=True)
+        ]
         with self.stopwatch("gaps"):
             return meshing_of(self.design.simulation, pitch, sections)
 

@@ -110,7 +110,7 @@ def drivetrain_of(
     if knocking:
         cycles["knocks"] = with_knocks(demand.cycle, knocking)
     seats = [seats_of(shaft.given) for shaft in design.shafts]
-    known = {number: one for number, one in enumerate(seats) if one is not None}
+    known = {number: seat for number, seat in enumerate(seats) if seat is not None}
     peaks = {load: shaft_peaks(cycle, known, wanted) for load, cycle in cycles.items()}
     needed = demand.fluctuation.flywheel_kg_mm2(masses.flywheel.speed_fluctuation)
     missing = needed - rigid.machine.masses.driving_shaft_kg_mm2 - demand.added_kg_mm2
@@ -118,7 +118,7 @@ def drivetrain_of(
     return DrivetrainResult(
         wanted=wanted,
         demand=demand,
-        shafts=tuple(_shaft(design, number, one, peaks, jam) for number, one in enumerate(seats)),
+        shafts=tuple(_shaft(design, number, seat, peaks, jam) for number, seat in enumerate(seats)),
         wanted_fluctuation=masses.flywheel.speed_fluctuation,
         flywheel_kg_mm2=needed,
         disc=disc(missing, diameter, demand.speed_rad_s) if diameter and missing > 0.0 else None,
@@ -149,8 +149,8 @@ def _shaft(
         return None
     if seats is None:
         return ShaftResult(design.shafts[number].words, None, None, None, None)
-    results = {load: _shaft_of(design, number, one[number]) for load, one in peaks.items()}
-    sizes = {load: _sizes(one) for load, one in results.items()}
+    results = {load: _shaft_of(design, number, of_load[number]) for load, of_load in peaks.items()}
+    sizes = {load: _sizes(result) for load, result in results.items()}
     law, *knocks = results.values()
     found = _worse(law, *knocks) if knocks else law
     if jam is not None:
@@ -186,24 +186,26 @@ def _worse(law: ShaftResult, knocks: ShaftResult) -> ShaftResult:
     assert law.bearings is not None
     assert knocks.bearings is not None
     first, second = (_worse_bearing(*of) for of in zip(law.bearings, knocks.bearings, strict=True))
-    bends = [one.most_bent for one in (law, knocks) if one.most_bent is not None]
+    bends = [result.most_bent for result in (law, knocks) if result.most_bent is not None]
     found = replace(knocks, bearings=(first, second), most_bent=max(bends, key=lambda bend: bend.moment_n_mm))
     if law.shaft is not None and knocks.shaft is not None:
         shafts = law.shaft, knocks.shaft
         tired = min(shafts, key=lambda shaft: shaft.fatigue)
-        weaker = min((law, knocks), key=lambda one: min(one.shaft.fatigue, one.shaft.yielding) if one.shaft else inf)
+        weaker = min(
+            (law, knocks), key=lambda result: min(result.shaft.fatigue, result.shaft.yielding) if result.shaft else inf
+        )
         safety = replace(tired, yielding=min(shaft.yielding for shaft in shafts))
         found = replace(found, shaft=safety, enough_mm=weaker.enough_mm)
     if law.key is not None and knocks.key is not None:
-        key = min(law.key, knocks.key, key=lambda one: one.safety)
+        key = min(law.key, knocks.key, key=lambda key: key.safety)
         found = replace(found, key=replace(key, both_senses=law.key.both_senses or knocks.key.both_senses))
     return found
 
 
 def _worse_bearing(law: BearingLife, knocks: BearingLife) -> BearingLife:
-    lives = max(law, knocks, key=lambda one: one.equivalent_n)
+    lives = max(law, knocks, key=lambda bearing: bearing.equivalent_n)
     across = max(law.largest_n, knocks.largest_n, key=lambda most: most.value)
-    bears = max(law, knocks, key=lambda one: one.static_n)
+    bears = max(law, knocks, key=lambda bearing: bearing.static_n)
     along = max(law.thrust_n, knocks.thrust_n, key=lambda most: most.value)
     found = replace(lives, largest_n=across, thrust_n=along)
     return replace(found, static_n=bears.static_n, static_safety=bears.static_safety)
@@ -223,8 +225,8 @@ def _shaft_of(design: Design, number: int, peaks: ShaftPeaks) -> ShaftResult:
 
     def of_diameter(diameter_mm: float) -> ShaftSafety:
         thick = ShaftSection(diameter_mm, max(diameter_mm, section.blank_mm), steel)
-        found = (shaft_safety(thick, one) for one in peaks.sections)
-        return min(found, key=lambda one: min(one.fatigue, one.yielding))
+        found = (shaft_safety(thick, section) for section in peaks.sections)
+        return min(found, key=lambda safety: min(safety.fatigue, safety.yielding))
 
     safety = of_diameter(diameter)
     key = _key(design, number, section, peaks.torques_n_mm)
@@ -272,8 +274,8 @@ def _key(
         yields, length = section.yield_mpa, key.length_mm or gears.face_width_mm
         made = ShaftKey(section.diameter_mm, height, length, min(yields, key.yield_mpa or yields), longest)
         found.append(key_safety(made, most, least))
-    weakest = min(found, key=lambda one: one.safety)
-    return replace(weakest, both_senses=any(one.both_senses for one in found))
+    weakest = min(found, key=lambda key: key.safety)
+    return replace(weakest, both_senses=any(key.both_senses for key in found))
 
 
 def _pto(given: PowerTakeOff, demand: Demand) -> PowerTakeOffResult:

@@ -72,8 +72,8 @@ class FaceLoading:
         return [
             f"{name} of the {words}"
             for words, shaft in zip(self.shafts, self.model.shafts, strict=True)
-            for name, one in zip(("bearing_a", "bearing_b"), shaft.supports, strict=True)
-            if isinf(one.stiffness_n_mm)
+            for name, support in zip(("bearing_a", "bearing_b"), shaft.supports, strict=True)
+            if isinf(support.stiffness_n_mm)
         ]
 
     def of_contacts(self, contacts: LoadedContacts, application_factor: float, shaken: Array) -> Array:
@@ -85,19 +85,19 @@ class FaceLoading:
     def loads_of(self, contacts: LoadedContacts, application_factor: float, shaken: Array) -> FaceLoads:
         """Forces that press flanks together at every position of loaded contacts with K_V ``shaken``, shape (n,)."""
         each = contacts.force_n, contacts.stiffness_n_mm
-        force, stiffness = (np.bincount(contacts.position, one).astype(float) for one in each)
+        force, stiffness = (np.bincount(contacts.position, values).astype(float) for values in each)
         phi1, urge, factor = np.zeros(force.size), np.ones(force.size), np.ones(force.size)
         phi1[contacts.position], urge[contacts.position] = contacts.phi1_rad, 1.0 - 2.0 * contacts.side
         factor[contacts.position] = shaken
         assert self.model is not None
         return self.pressing(phi1, urge, force, stiffness / self.model.width_mm, application_factor, factor)
 
-    def of_side(self, one: SharedLoad, application_factor: float, shaken: Array) -> Array:
+    def of_side(self, load: SharedLoad, application_factor: float, shaken: Array) -> Array:
         """K_Hbeta for a load that is known without teeth, with K_V ``shaken``, shape (n,) each."""
         if self.model is None:
-            return np.full(one.load.force_n.shape, self.constant)
-        at = one.load.phi1_rad, one.load.urge, one.load.force_n
-        return self.model.factors(self.pressing(*at, one.stiffness_n_mm2, application_factor, shaken))
+            return np.full(load.load.force_n.shape, self.constant)
+        at = load.load.phi1_rad, load.load.urge, load.load.force_n
+        return self.model.factors(self.pressing(*at, load.stiffness_n_mm2, application_factor, shaken))
 
     def pressing(
         self,
@@ -169,11 +169,11 @@ def face_loading_of(drive: Geared) -> FaceLoading:
     # The arm of the force is about the radius of the roots.
     angle = sample_angles(asked.pair.transmission)
     arms = asked.arms_mm(angle, np.ones(angle.size)).min(axis=0)
-    first, second = (one.youngs_modulus_mpa for one in drive.materials)
+    first, second = (material.youngs_modulus_mpa for material in drive.materials)
     loads = shafts_of(machine.places, meshes, machine.angles(phi1, 1), [(idle, idle)] * len(meshes), crank)
     shafts = driving.shaft((arms[0], first), loads[number]), driven.shaft((arms[1], second), loads[number + 1])
     askew, running = _askew_mm(design, drive.running), drive.running
-    worn = sum(running_in(one, running, askew) for one in choices_of(gears)) / 2.0
+    worn = sum(running_in(choice, running, askew) for choice in choices_of(gears)) / 2.0
     lead = gears.lead
     form = LeadForm(
         MM_PER_UM * lead.crowning_um, MM_PER_UM * (lead.end_relief_um or 0.0), lead.end_relief_length_mm or 0.0
@@ -237,8 +237,8 @@ class _Around:
     def shaft(self, body: tuple[float, float], loads: ShaftLoads) -> SteelShaft:
         """The shaft on springs under its loads over the cycle; ``body``: the body's radius and E."""
         first, second = (
-            Support(one.at_mm - self.seats.gears_mm[self.gear], stiffness_n_mm(one, float(np.abs(force).max())))
-            for one, force in zip(self.seats.bearings, bearing_forces(loads, self.seats), strict=True)
+            Support(bearing.at_mm - self.seats.gears_mm[self.gear], stiffness_n_mm(bearing, float(np.abs(force).max())))
+            for bearing, force in zip(self.seats.bearings, bearing_forces(loads, self.seats), strict=True)
         )
         return SteelShaft(self.diameter_mm, 2.0 * float(body[0]), (first, second), body[1])
 
@@ -332,7 +332,7 @@ def _best_end_relief(model: FaceModel, heavy: tuple[FaceLoads, Array]) -> LeadFo
         fall_mm, load = best_fall_mm(model, *heavy, lambda mm: replace(lead, relief_mm=mm))
         return load, replace(lead, relief_mm=round(fall_mm / MM_PER_UM) * MM_PER_UM)
 
-    return min(map(best, RELIEVED), key=lambda one: one[0])[1]
+    return min(map(best, RELIEVED), key=lambda relief: relief[0])[1]
 
 
 def told_face_load(loading: FaceLoading, strength: Strength, over: float, best_um: float | None) -> ToldFaceLoad | None:
@@ -348,7 +348,7 @@ def told_face_load(loading: FaceLoading, strength: Strength, over: float, best_u
     rows = rows[(rows >= 0) & (line[rows] >= LEADING * line.max())]
     relieved = _best_end_relief(model, _heavy(loads, strength))
     leads = replace(model.lead, crowning_mm=best_um * MM_PER_UM), relieved
-    crowned, ends = (float(np.max(replace(model, lead=one).factors(loads)[place] * force)) for one in leads)
+    crowned, ends = (float(np.max(replace(model, lead=lead).factors(loads)[place] * force)) for lead in leads)
     least, greatest, decisive = rows[factors[rows].argmin()], rows[factors[rows].argmax()], int(line.argmax())
     straight = replace(model, askew_mm=0.0).factors(loads.kept(place[decisive : decisive + 1]))
     return ToldFaceLoad(

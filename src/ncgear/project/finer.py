@@ -165,5 +165,5 @@ def _least(
         if answer:
             break
         low = found if answer is False else most
-    beyond = max((one for one in failed if not found or one < found), default=None)
+    beyond = max((fault for fault in failed if not found or fault < found), default=None)
     return Least(changes(found) if found else {}, {} if beyond is None else changes(beyond), is_whole)

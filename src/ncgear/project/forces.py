@@ -101,7 +101,7 @@ def followed_modules(load: ToothLoad, face_width_mm: float, materials: Sequence[
     """Depth in modules to which teeth are followed under a load; with masses, which may knock, the greatest depth."""
     if load.load == "masses":
         return WITHIN_IN_MODULES
-    modulus = min(one.youngs_modulus_mpa for one in materials)
+    modulus = min(material.youngs_modulus_mpa for material in materials)
     pressed_mm = load.peak_n / (1e3 * ISO_N_MM_UM * modulus / STEEL_MPA * face_width_mm)
     return min(max(DEEPER * pressed_mm / module_mm, LEAST_IN_MODULES), WITHIN_IN_MODULES)
 
@@ -153,7 +153,7 @@ def toothed_machine(
     Raises WrongInput where a shaft between pairs in series has no inertia.
     """
     load = crank_load(machine.linkage, masses, machine.load)
-    between = tuple(N_PER_KG_MM_S2 * one for one in masses.between_inertia_kg_mm2)
+    between = tuple(N_PER_KG_MM_S2 * inertia for inertia in masses.between_inertia_kg_mm2)
     if len(meshings) > 1 and not (len(between) == len(meshings) - 1 and all(between)):
         raise WrongInput(
             "a shaft between pairs of gears has no inertia, and no motion in time; give it above 0",
@@ -196,7 +196,7 @@ def train_borne_by(
     """The torques of pairs in series, as ``borne_by``; shafts between must have inertia."""
     rigid, machine = loads[0].machine, loads[0].machine.machine
     cycle = machine.transmission.cycle_rad
-    still = tuple(BorneTorque(one.torque_n_mm, cycle) for one in loads)
+    still = tuple(BorneTorque(torque.torque_n_mm, cycle) for torque in loads)
     between = tuple(N_PER_KG_MM_S2 * inertia for inertia in rigid.masses.between_inertia_kg_mm2)
     if len(between) != len(loads) - 1 or not all(between):
         return still
@@ -206,8 +206,8 @@ def train_borne_by(
         return still
     shafts = pairwise([0.0, *between, mean_inertia(load)])
     pairs = [
-        TrainPair(damped(given.of_own_stiffness, meshing, swinging_inertia(meshing, *ends)), one.torque_n_mm)
-        for meshing, ends, one in zip(meshings, shafts, loads, strict=True)
+        TrainPair(damped(given.of_own_stiffness, meshing, swinging_inertia(meshing, *ends)), asked.torque_n_mm)
+        for meshing, ends, asked in zip(meshings, shafts, loads, strict=True)
     ]
     return KnockingTrain(tuple(pairs), between, load, machine.speed_rad_s).borne(cycle)
 

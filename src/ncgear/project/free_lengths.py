@@ -63,13 +63,13 @@ def best_lengths(given: Design, motion: Motion | None, tell: Callable[[int], Non
         design = with_lengths(given, dict(zip(ranges, values, strict=True)))
         return task_of(design, inertia), wishes_of(design)
 
-    unknowns = [Unknown(one.least, one.most, _given(given, name)) for name, one in ranges.items()]
+    unknowns = [Unknown(span.least, span.most, _given(given, name)) for name, span in ranges.items()]
     try:
         best = LengthSearch(unknowns, machine, tell).best(motion)
     except NoSuchMechanism:
         return BestLengths({name: _given(given, name) for name in given.free_lengths}, given)
     values = dict(zip(ranges, best.values, strict=True))
-    stroke = next((one.least / _per_stroke(given) for name, one in ranges.items() if name in STROKE), None)
+    stroke = next((span.least / _per_stroke(given) for name, span in ranges.items() if name in STROKE), None)
     found = with_lengths(given, values)
     least = least_with_any_lengths(task_of(given, inertia), wishes_of(found), stroke)
     values.pop(FLYWHEEL, None)

@@ -186,7 +186,7 @@ def _point(design: Design, job: tuple[str, float]) -> dict[str, Any]:
 
 def _assembled(caps: list[float], found: dict[tuple[str, float], dict[str, Any]]) -> Frontier:
     results = [found["law", cap] for cap in caps if "refused" not in found["law", cap]]
-    laws = [LawPoint(one["cap_w"], one["limit_mm_s2"], Figures(**one["law"])) for one in results]
+    laws = [LawPoint(result["cap_w"], result["limit_mm_s2"], Figures(**result["law"])) for result in results]
     if not laws:
         raise NoSuchMechanism(found["law", caps[0]]["refused"], key="optimize.limits")
     return Frontier(laws, _best_so_far([FamilyPoint(**found["family", cap]) for cap in caps]))

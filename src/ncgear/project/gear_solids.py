@@ -161,7 +161,7 @@ def helical_plans(
 
     blanks, module = _helical_blanks(gears, pitch, crank_pin), pitch.size.module_mm
     driving, driven = (
-        planned_through([one.of(gear).outline_mm for one in sections], gear, blanks[gear], module, tolerance_mm)
+        planned_through([part.of(gear).outline_mm for part in sections], gear, blanks[gear], module, tolerance_mm)
         for gear in Gear
     )
     return driving, driven

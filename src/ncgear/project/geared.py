@@ -189,7 +189,7 @@ class Geared(Moving):
     def forms_at_limits(self) -> tuple[ToothForm, ...]:
         """The form of the teeth at both limits of their thickness, the thinnest first; empty without limits."""
         form, limits = self.tooth_form, thickness_limits_mm(self.gears) or ()
-        return tuple(replace(form, backlash=replace(form.backlash, thickness_mm=(one, one))) for one in limits)
+        return tuple(replace(form, backlash=replace(form.backlash, thickness_mm=(limit, limit))) for limit in limits)
 
     @computed
     def row(self) -> PairRow:
@@ -382,7 +382,7 @@ class Geared(Moving):
                 plans = self.finished_plans
             else:
                 # By the sections that bear the load, without meshes
-                sections = [self.teeth, *(one.teeth for one in self.face_sections.each)]
+                sections = [self.teeth, *(section.teeth for section in self.face_sections.each)]
                 tolerance = self.chord_tolerance_mm
                 with self.stopwatch("bodies"):
                     plans = helical_plans(finished(self.gears), pitch, sections, tolerance, self.crank_pin)

@@ -210,7 +210,7 @@ def _refuse_uneven_turns(torque: Resistance, lobes: tuple[int, ...]) -> None:
     ``lobes`` are those of all driven gears.
     """
     last, turn = lobes[-1], np.linspace(0.0, 2.0 * pi, 181)
-    if all(one % last == 0 for one in lobes):
+    if all(count % last == 0 for count in lobes):
         return
     change = torque.force_n(np.mod(turn + 2.0 * pi / last, 2.0 * pi)) - torque.force_n(turn)
     if np.abs(change).max() > SAME_TORQUE * np.abs(torque.force_n(turn)).max():
@@ -255,10 +255,10 @@ def _torque_of(given: TurningLoad, key: str) -> Resistance:
     keep = given.where_negative == "keep"
     if given.table is not None:
         angles = tuple(np.radians(given.table.angle_deg or ()).tolist())
-        return TableResistance(angles, tuple(N_MM_PER_N_M * one for one in given.table.torque_n_m or ()), keep)
+        return TableResistance(angles, tuple(N_MM_PER_N_M * value for value in given.table.torque_n_m or ()), keep)
     if given.expression_n_m is not None:
         return FormulaResistance(given.expression_n_m, keep, f"{key}.expression_n_m", turning=True)
-    coefficients = tuple(N_MM_PER_N_M * one for one in given.polynomial_n_m or ())
+    coefficients = tuple(N_MM_PER_N_M * value for value in given.polynomial_n_m or ())
     return PolynomialResistance(coefficients, keep) if coefficients else NO_RESISTANCE
 
 
@@ -277,8 +277,8 @@ def keeps_even_speed(design: Design) -> bool:
     place = law.linkage.OUTPUT.place
     crank = law.transmission.driven_angle(np.array(stretch))
     start, end = place.factor * law.linkage.displacement(crank).value
-    kept = (one for one in wishes.constant_speed if one.hard and one.stroke == "working")
-    return any(one.place("from") < end and one.place("to") > start for one in kept)
+    kept = (wish for wish in wishes.constant_speed if wish.hard and wish.stroke == "working")
+    return any(wish.place("from") < end and wish.place("to") > start for wish in kept)
 
 
 def motion_wishes_of(design: Design, linkage: Mechanism, cycle_rad: float) -> tuple[Wish, ...]:

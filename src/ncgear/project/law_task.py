@@ -191,7 +191,7 @@ def wishes_of(design: Design) -> Wishes:
     # The tighter of both limits.
     curvatures = [*_of_radius(limits, design.gears), *_of_undercut(limits, design.gears)]
     free = _Curvature(None, CurvatureWish.LEAST_RADIUS, 1.0)
-    curvature = min(curvatures, default=free, key=lambda one: one.turns or 0.0)
+    curvature = min(curvatures, default=free, key=lambda wish: wish.turns or 0.0)
     return Wishes(
         limits=task.Limits(
             ratio_min=limits.ratio_min,

@@ -210,7 +210,7 @@ def searched(
     trials = _Trials(drive, on_trial, sum(map(len, every)) + MOST_FINER, seconds)
     kept = [equals for equals in every if MendingSubject.FINER not in equals[0].kinds]
     share = AT_NOTCHES if trials.needed > FINER_STEP * drive.by_stage[0].pitch.size.driving_teeth else BEFORE_FINER
-    radius, others = ([one for one in kept if (one[0].kinds == ORDER[0]) is so] for so in (True, False))
+    radius, others = ([way for way in kept if (way[0].kinds == ORDER[0]) is so] for so in (True, False))
     found = next((mend for equals in radius if (mend := trials.best(equals, share))), None)
     found = found or trials.most_backlash()
     found = found or next((mend for equals in others if (mend := trials.best(equals, share))), None)
@@ -254,7 +254,7 @@ class _Trials:
         """The way with most contact among equal ways that work; None where none works within a share of the time."""
         try:
             sound = [mend for way in equals if (mend := self._sound(way, share))]
-            for mend in sorted(sound, key=lambda one: -one.contact_ratio):
+            for mend in sorted(sound, key=lambda tried: -tried.contact_ratio):
                 with self._in_time(share):
                     require_made(mend.drive)
                     if MendingSubject.STEEPEST in mend.way.kinds:
@@ -326,7 +326,7 @@ def _teeth_of_notches(drive: Drive) -> float:
         return 0.0
 
     def bend(slope: Jet, gear: Gear) -> Jet:
-        both = {one: shape.curvature(slope, one, pitch.mesh) for one in Gear}
+        both = {gear: shape.curvature(slope, gear, pitch.mesh) for gear in Gear}
         return both[gear] / jet.sqrt(both[Gear.DRIVING] + both[Gear.DRIVEN])
 
     sharpest = min(pitch.transmission.extremes(partial(bend, gear=gear), 2)[0].value for gear in Gear)
@@ -340,7 +340,7 @@ def ways(drive: Drive) -> Iterator[tuple[MendingWay, ...]]:
     for kinds in ORDER:
         options = [_options(drive, kind, alone=len(kinds) == 1) for kind in kinds]
         changes = (reduce(or_, chosen, fitted) for chosen in product(*options))
-        found = [MendingWay(kinds, one) for one in changes if alternatives.is_accepted(drive.design, one)]
+        found = [MendingWay(kinds, change) for change in changes if alternatives.is_accepted(drive.design, change)]
         if MendingSubject.FINER in kinds:
             # Fewer teeth are the lesser change.
             yield from ((way,) for way in found)

@@ -107,7 +107,7 @@ def motor_within(drive: Geared) -> tuple[MotorResult, MotorResult]:
     reach = reach_in_pitches(gears) * pi * cos(flat)
     # Friction between helical teeth is not computed
     pitches = [] if drive.helix else [pair.pitch for pair in drive.by_stage]
-    most = tuple(most_mesh_loss_factor(one, reach * one.size.module_mm, steep) for one in pitches)
+    most = tuple(most_mesh_loss_factor(pitch, reach * pitch.size.module_mm, steep) for pitch in pitches)
     smooth = cycle_of(drive.rigid)
     least, greatest = (motor_of(design, around.motor, demand_of(design, smooth, factors)) for factors in ((), most))
     return least, greatest
@@ -229,7 +229,7 @@ def _fitting(design: Design, found: Sequence[MotorResult], starts: Callable[[Des
     given, changed = _keys(motor, line), design
     with suppress(TimeIsOver), at_most(MOST_SECONDS):
         for _ in range(STEPS):
-            faults, peak = set().union(*(one.faults for one in runs)), motor.peak_torque_n_m
+            faults, peak = set().union(*(run.faults for run in runs)), motor.peak_torque_n_m
             if not faults and not starts(changed):
                 faults = {"stops"}
             if not faults and (peak is None or peak >= motor.rated_torque_n_m):
@@ -237,7 +237,7 @@ def _fitting(design: Design, found: Sequence[MotorResult], starts: Callable[[Des
             motor, line = _bettered(motor, line, runs, faults)
             changed = design.model_copy(update={"simulation": design.simulation.model_copy(update={"motor": line})})
             rotor_kg_mm2 = motor.inertia_kg_mm2 * motor.gearbox.ratio**2
-            again = (Demand(one.demand.cycle, one.demand.losses, rotor_kg_mm2) for one in runs)
+            again = (Demand(run.demand.cycle, run.demand.losses, rotor_kg_mm2) for run in runs)
             runs = tuple(motor_of(changed, motor, demand) for demand in again)
     return None
 
@@ -266,7 +266,7 @@ def _bettered(
         free_rpm = line.no_load_speed_rpm if line else (motor.no_load_speed_rpm or motor.rated_speed_rpm) / own
         faster = demand.speed_rad_s / RAD_S_PER_RPM / (1.0 - mean / rest_n_m) / free_rpm
     elif "off speed" in faults:
-        shares = [one.course.mean_rad_s / demand.speed_rad_s for one in runs if one.course]
+        shares = [run.course.mean_rad_s / demand.speed_rad_s for run in runs if run.course]
         faster = len(shares) / sum(shares)
     elif "fast" in faults:
         faster = runs[0].turns_rpm / motor.rated_speed_rpm
@@ -281,9 +281,9 @@ def _bettered(
     if "hot" in faults:
         # With a line of its own, the motor stiffens with its rated torque
         stiffer = STIFFENED if runs[0].course else 1.0
-        rated = float(shown_above(stiffer * max(one.rms_n_m for one in runs) * own / ratio, 4))
+        rated = float(shown_above(stiffer * max(run.rms_n_m for run in runs) * own / ratio, 4))
     if peak is not None and faults <= {"weak"}:
-        peak = float(shown_above(max(*(one.most_n_m for one in runs), rated), 4))
+        peak = float(shown_above(max(*(run.most_n_m for run in runs), rated), 4))
     gearbox = motor.gearbox.model_copy(update={"ratio": ratio})
     changes = {"gearbox": gearbox, "rated_torque_n_m": rated, "peak_torque_n_m": peak}
     return motor.model_copy(update=changes), line

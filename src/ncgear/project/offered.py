@@ -28,7 +28,7 @@ ROOMS = (0.0, 0.005, 0.02, 0.08)
 
 def asking_for(design: Design, offers: Sequence[Offer]) -> Design:
     """The design with the values of offers; raises ValidationError or DesignError where a file may not ask for them."""
-    for key, value in (one for offer in offers for one in offer.values):
+    for key, value in (value for offer in offers for value in offer.values):
         group, *path = key.split(".")
         model = getattr(design, group) or Optimize()
         data = model.model_dump(by_alias=True, exclude_unset=True)
@@ -42,13 +42,13 @@ def _put(data: dict[str, Any], path: Sequence[str], value: Any) -> None:
     """Set a key of nested groups and lists; the same angle in another unit is removed."""
     *groups, name = path
     within: Any = data
-    for one in groups:
+    for group in groups:
         if isinstance(within, dict):
-            held = within.setdefault(one, {})
+            held = within.setdefault(group, {})
             # Lists of models are tuples, which are immutable.
-            within[one] = within = list(held) if isinstance(held, tuple) else held
+            within[group] = within = list(held) if isinstance(held, tuple) else held
         else:
-            within = within[int(one)]
+            within = within[int(group)]
     for spelled in spellings(name.removesuffix("_deg")) if name.endswith("_deg") else ():
         within.pop(spelled, None)
     within[name] = value
@@ -78,7 +78,7 @@ def with_what_was_found(
     from ncgear.optimum.makeable.law import found_instead
 
     tried = RefusedDesign(design, task, has_law)
-    each = [one for eased in found_instead(task, wishes) for one in tried.enough(eased)]
+    each = [offer for eased in found_instead(task, wishes) for offer in tried.enough(eased)]
     if not any(map(_is_limit, each)):
         if limits := _together(tried, wishes, limits_alone=True):
             return Refused(refused.said, [*limits, *each], refused.key, _limits, each=False, found=True)
@@ -143,7 +143,7 @@ def _all(said: str, offers: Sequence[Offer]) -> str:
 def _limits(said: str, offers: Sequence[Offer]) -> str:
     """The words for limits that must give way together, or for one of the wishes."""
     limits, wishes = (
-        ", ".join(str(one) for one in offers if _is_limit(one) is of_limits) for of_limits in (True, False)
+        ", ".join(str(offer) for offer in offers if _is_limit(offer) is of_limits) for of_limits in (True, False)
     )
     all_of = "" if sum(map(_is_limit, offers)) == 1 else " all of these together:"
     either = f"; with the limits as they are, one with {wishes}" if wishes else ""

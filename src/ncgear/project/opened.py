@@ -123,7 +123,9 @@ def drive_of(given: Mapping[str, Any]) -> Drive:
     data = plain(given)
     motion = data.get("motion")
     law = motion.get("law") if isinstance(motion, dict) else None
-    functions = {name: one for name, one in motion.items() if callable(one)} if isinstance(motion, dict) else {}
+    functions = (
+        {name: function for name, function in motion.items() if callable(function)} if isinstance(motion, dict) else {}
+    )
     allowed = KEYS.get(law, ()) if isinstance(law, str) else ()
     for name, function in functions.items():
         if name not in allowed:
@@ -322,33 +324,33 @@ def drive_like(drive: Drive, design: Design, loaded: LoadedDesign | None = None)
     """The drive of another design; it takes law, pitch curves and teeth from ``drive`` where they are the same."""
     kept = _in_common(drive.design, design)
 
-    def like(one: Drive, whole: Drive | None = None) -> Drive:
-        other = Drive(design, one.stage, loaded, whole)
-        vars(other).update({name: value for name, value in vars(one).items() if name in kept})
+    def like(pair: Drive, whole: Drive | None = None) -> Drive:
+        other = Drive(design, pair.stage, loaded, whole)
+        vars(other).update({name: value for name, value in vars(pair).items() if name in kept})
         return other
 
     whole = like(drive)
     if kept and design.stages > 1 and drive.stage is None:
-        vars(whole)["by_stage"] = tuple(like(one, whole) for one in drive.by_stage)
+        vars(whole)["by_stage"] = tuple(like(pair, whole) for pair in drive.by_stage)
     return whole
 
 
-def _in_common(one: Design, other: Design) -> tuple[str, ...]:
+def _in_common(given: Design, other: Design) -> tuple[str, ...]:
     """The attributes that drives of two designs have in common."""
-    same_linkage = one.linkage == other.linkage
-    laws = [(design.motion, lobes_of(design), *_series(design)) for design in (one, other)]
-    if laws[0] != laws[1] or (not same_linkage and one.motion.gives_slider) or "safety" in laws[0]:
+    same_linkage = given.linkage == other.linkage
+    laws = [(design.motion, lobes_of(design), *_series(design)) for design in (given, other)]
+    if laws[0] != laws[1] or (not same_linkage and given.motion.gives_slider) or "safety" in laws[0]:
         return ()
     law = ("law",) if same_linkage else ()
-    before, after = one.gears, other.gears
+    before, after = given.gears, other.gears
     if before is None or after is None:
         return law
     teeth, bodies = ({name: getattr(before, name) for name in names} for names in (BODY, ALONG))
-    if before.helix is None and one.output == other.output and after.model_copy(update=teeth) == before:
-        extremes = ("_free_extremes",) if one.operation == other.operation else ()
+    if before.helix is None and given.output == other.output and after.model_copy(update=teeth) == before:
+        extremes = ("_free_extremes",) if given.operation == other.operation else ()
         rims = ("rims",) if same_linkage and after.model_copy(update=bodies) == before else ()
         # The gears' inertia counts among masses.
-        same_load = one.masses is None and other.model_copy(update={"gears": before}) == one
+        same_load = given.masses is None and other.model_copy(update={"gears": before}) == given
         return *law, *SAME_TEETH, *extremes, *rims, *(("machine", "tooth_load") if same_load else ())
     sizes = [[getattr(gears, name) for name in (*SIZES, "mesh")] for gears in (before, after)]
     if sizes[0] == sizes[1] and reach_in_pitches(before) == reach_in_pitches(after):

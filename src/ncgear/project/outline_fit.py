@@ -327,7 +327,7 @@ class _Search:
             if near or left == 0:
                 # Written outlines hardly ever refuse sound exact teeth, and take as long as these.
                 while good:
-                    made = outline_trial.judged(good.pop(), lambda one: require_made(one.drive))
+                    made = outline_trial.judged(good.pop(), lambda trial: require_made(trial.drive))
                     if made.refusal is None:
                         return made
                     refused = made
@@ -354,8 +354,8 @@ def _binding(made: outline_trial.Made, there: float) -> tuple[Subject, ...]:
     at = np.interp([there], curve.phi_rad, curve.arc_mm, period=2.0 * pi)
     near = curve.apart_mm(at)[:, 0] < BINDS_WITHIN_PITCHES * curve.length_mm / curve.teeth
     values: dict[Subject, float] = {}
-    for one in conditions(curve, made.limits):
-        values[one.kind] = max(values.get(one.kind, -np.inf), float(np.max(one.value[near])))
+    for condition in conditions(curve, made.limits):
+        values[condition.kind] = max(values.get(condition.kind, -np.inf), float(np.max(condition.value[near])))
     return tuple(sorted((kind for kind, value in values.items() if value > -BINDS), key=lambda kind: -values[kind]))
 
 

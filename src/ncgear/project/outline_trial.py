@@ -175,7 +175,7 @@ def drawn_in(made: Made, refusals: int) -> CurveLimits:
 def most_lacking(made: Made) -> str:
     """The place in the drawing where a refused pair lacks most contact, in words; else that of the sharpest hollow."""
     points, _ = made.curve.points()
-    own, mate = (one * made.curve.module_mm for one in made.curve.curvature)
+    own, mate = (curvature * made.curve.module_mm for curvature in made.curve.curvature)
     bent, said = np.minimum(own, mate), "their sharpest place is"
     nearest = int(np.argmin(bent))
     if made.lacking.size:

@@ -89,16 +89,16 @@ def passings_of(drive: Geared) -> tuple[Passing, ...]:
         return ()
     standing = standing_of(drive)
     discs = [
-        Passing(disc, one, hypot(*one.center_mm), 0.0, radius_mm)
+        Passing(disc, body, hypot(*body.center_mm), 0.0, radius_mm)
         for disc, radius_mm in linkage.discs_mm.items()
-        for one in standing
+        for body in standing
     ]
     lines = [
-        Passing(part, one, *least_distance(lines, one.center_mm, drive.transmission), _half_mm(drive, part))
+        Passing(part, body, *least_distance(lines, body.center_mm, drive.transmission), _half_mm(drive, part))
         for part, lines in center_lines(linkage).items()
         if part != CRANK_PIN or drive.turns_crank
-        for one in standing
-        if one.carries != part
+        for body in standing
+        if body.carries != part
     ]
     return (*discs, *lines)
 

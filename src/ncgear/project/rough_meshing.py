@@ -26,7 +26,7 @@ def rough_meshing(drive: Drive, load: ToothLoad, sides: Sequence[SharedLoad]) ->
     phi1 = np.linspace(0.0, transmission.cycle_rad, PLACES + 1)
     levers = [1.0 / load.mesh_force(phi1, np.full(phi1.shape, urge)).size_n.value for urge in PUSHING_AND_BACK]
     thinner_mm = -2.0 * play.thicker_mm * cos(drive.rack.angles_rad[1])
-    known = {float(one.load.urge[0]): _mean_stiffness(one) * gears.face_width_mm for one in sides}
+    known = {float(side.load.urge[0]): _mean_stiffness(side) * gears.face_width_mm for side in sides}
     values = np.zeros((phi1.size, 2, STIFFNESS + 1))
     for slot, side in enumerate(PUSHING_AND_BACK):
         values[:, slot, LEVER] = levers[slot]

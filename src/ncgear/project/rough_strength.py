@@ -65,26 +65,26 @@ class RoughStrength:
     jammed: tuple[RoughSafety, ...] = ()
     jam_needs_teeth: str = ""
 
-    def needs_teeth_for(self, one: RoughSafety) -> str:
+    def needs_teeth_for(self, safety: RoughSafety) -> str:
         """Why one of the safeties is right only within a factor; empty without such a reason."""
-        return self.jam_needs_teeth if one in self.jammed else self.needs_teeth
+        return self.jam_needs_teeth if safety in self.jammed else self.needs_teeth
 
-    def share(self, one: RoughSafety) -> float:
+    def share(self, safety: RoughSafety) -> float:
         """A safety over the safety below which teeth certainly do not hold."""
-        return one.safety / (one.wanted * (0.4 if self.needs_teeth_for(one) else CERTAINLY))
+        return safety.safety / (safety.wanted * (0.4 if self.needs_teeth_for(safety) else CERTAINLY))
 
     @property
     def holds(self) -> bool:
         """Whether no tooth is found too weak and no reason is left to look at the teeth; rings hold by RINGS_HOLD."""
         reasons = {self.needs_teeth, self.jam_needs_teeth} - {""}
-        by_ring = all(one.safety >= RINGS_HOLD * one.wanted for one in self.safeties)
-        enough = all(one.safety >= one.wanted for one in self.safeties)
+        by_ring = all(safety.safety >= RINGS_HOLD * safety.wanted for safety in self.safeties)
+        enough = all(safety.safety >= safety.wanted for safety in self.safeties)
         return enough and not (self.weak or self.unjudged) and (not reasons or (reasons == {OF_A_RING} and by_ring))
 
     @property
     def weak(self) -> list[RoughSafety]:
         """The safeties of teeth that do not hold, the weakest first."""
-        return sorted((one for one in self.safeties if self.share(one) < 1.0), key=self.share)
+        return sorted((safety for safety in self.safeties if self.share(safety) < 1.0), key=self.share)
 
 
 CERTAINLY = 0.85
@@ -126,8 +126,8 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
 
         borne = borne_by(design.simulation, asked, rough_meshing(drive, asked, sides))
         each = [rolled_load(drive, partial(borne.hardest, urge)) for urge in PUSHING_AND_BACK]
-        sides = [side for one in each for side in shared_loads(one, plan, running, drive.materials)]
-        load = replace(load, force_n=np.maximum(*(one.force_n for one in each)))
+        sides = [side for pair in each for side in shared_loads(pair, plan, running, drive.materials)]
+        load = replace(load, force_n=np.maximum(*(load.force_n for load in each)))
     in_series = asked.load == "masses" and not asked.knocks_are_judged and len(sides) > 1 and design.stages > 1
     if asked.loads_return:
         sides = [*sides, *shared_loads(rolled_load(drive, asked.returning_n_mm), plan, running, drive.materials)]
@@ -154,10 +154,10 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
                 return RoughStrength(tuple(jammed), why, needs_teeth, bool(why), None, tuple(jammed), needs_teeth)
         if not why:
             mesh = rough_mesh(drive, sides, load)
-            shaken = [_shaken(drive, one.load, mesh, borne) for one in sides]
+            shaken = [_shaken(drive, side.load, mesh, borne) for side in sides]
             uneven = _uneven(drive, sides, conditions, shaken)
             found = rough_safeties(sides, plan, running, warm, conditions, uneven, shaken)
-            phi1, force = (np.concatenate([getattr(one.load, of) for one in sides]) for of in ("phi1_rad", "force_n"))
+            phi1, force = (np.concatenate([getattr(side.load, of) for side in sides]) for of in ("phi1_rad", "force_n"))
             told = None
             if mesh is not None:
                 told = told_vibration(drive, drive.vibration, mesh, phi1, np.concatenate(shaken), force)
@@ -179,16 +179,16 @@ def beside_refusal(drive: Drive, refusal: DesignError | None) -> RoughStrength |
 def rough_mesh(drive: Drive, sides: list[SharedLoad], load: RolledLoad) -> MeshStiffness | None:
     """The rough mean stiffness of a pair's teeth over a pitch."""
     width_mm = drive.running.face_width_mm
-    each = ((one.load.phi1_rad, width_mm * one.stiffness_n_mm2, one.bearing) for one in sides)
+    each = ((side.load.phi1_rad, width_mm * side.stiffness_n_mm2, side.bearing) for side in sides)
     phi1, stiffness, pairs = (np.concatenate(parts) for parts in zip(*each, strict=True))
     cycle = 2.0 * pi * round(load.phi1_rad.size / PER_TOOTH / drive.running.teeth[0]) if load.closed else None
     per_pitch = PER_TOOTH * (2 if asked_of(drive).loads_return else 1)
     return MeshStiffness.of(phi1, stiffness, pairs, cycle, per_pitch)
 
 
-def rough_damage(found: RoughStrength, one: RoughSafety) -> str:
+def rough_damage(found: RoughStrength, safety: RoughSafety) -> str:
     """The damage of a tooth, in words that follow "against"."""
-    return "breaking at once" if found.at_once else one.damage.words
+    return "breaking at once" if found.at_once else safety.damage.words
 
 
 def _no_life(drive: Drive, phi1_rad: Array) -> str:
@@ -214,7 +214,7 @@ def _needs_teeth(drive: Drive, plan: ToothPlan, load: RolledLoad, sides: list[Sh
         return "it needs the teeth to tell where they would be undercut"
     if load.leap(module) > MOST_LEAP:
         return "it needs the teeth to tell where the curvature of the pitch curves changes so much within a tooth"
-    if max(float(one.way_mm.max()) for one in sides) > MOST_WAY * module:
+    if max(float(side.way_mm.max()) for side in sides) > MOST_WAY * module:
         return "it needs the teeth to tell where they give way so far under the load"
     return OF_A_RING if drive.pitch.mesh is Mesh.INTERNAL else ""
 
@@ -239,13 +239,13 @@ LEAST_SHARE = 1e-9
 
 def _even(sides: list[SharedLoad], factor: float) -> list[Array]:
     """A factor that is the same at all positions of each side, shape (n,) each."""
-    return [np.full(one.load.force_n.shape, factor) for one in sides]
+    return [np.full(side.load.force_n.shape, factor) for side in sides]
 
 
 def _uneven(drive: Drive, sides: list[SharedLoad], conditions: Conditions, shaken: list[Array]) -> list[Array]:
     """K_Hbeta at the positions of each side with K_V ``shaken`` there, shape (n,) each."""
     over = conditions.application_factor
-    return [drive.face_loading.of_side(one, over, factor) for one, factor in zip(sides, shaken, strict=True)]
+    return [drive.face_loading.of_side(side, over, factor) for side, factor in zip(sides, shaken, strict=True)]
 
 
 def _would_be_undercut(drive: Drive) -> bool:

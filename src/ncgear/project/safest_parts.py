@@ -17,7 +17,7 @@ from ncgear.errors import DesignError, WrongInput
 from ncgear.numerics.arrays import Array
 
 CLOSE = 0.004
-"""Share of a safety within which the search ends: the estimate of strength is within some per cent."""
+"""Share of the wanted safety within which the search ends: the estimate of strength is within some per cent."""
 
 NEAR, STEP = 0.05, 0.8
 """Error of the logarithms of parts at which the search ends, 1.3 % of the ratio, and its first step."""
@@ -37,7 +37,7 @@ def safest_parts(share: Callable[[Parts, int], float], count: int) -> Parts:
     ``share`` tells the least safety over the wanted safety of a pair, numbered from 0, for given parts, or raises
     DesignError: such parts are as good as no safety.  Of all parts that the search rates, from even ones on, the safest
     count; safeties have kinks and jumps, and others may be safer still.  Raises WrongInput where the teeth carry no
-    load, and the refusal of even parts where no parts can be rated.
+    load, and the refusal of even parts where none of the parts that are tried can be rated.
     """
     from scipy.optimize import minimize
 
@@ -57,11 +57,10 @@ def safest_parts(share: Callable[[Parts, int], float], count: int) -> Parts:
         return -safety
 
     begin = np.zeros(count - 1)
-    enough = CLOSE * abs(danger(begin))
     options = {
         "initial_simplex": np.vstack([begin, STEP * np.eye(count - 1)]),
         "xatol": NEAR,
-        "fatol": enough,
+        "fatol": CLOSE,
         "maxfev": MOST_RATED * (count - 1),
     }
     bounds = [(-WIDEST, WIDEST)] * (count - 1)

@@ -161,7 +161,7 @@ class Sized:
     @property
     def share(self) -> float:
         """The least ratio of any tooth's safety to the wanted safety, of flanks' too where the teeth hold."""
-        least = min(one.share for one in self.rating.weakest)
+        least = min(weakest.share for weakest in self.rating.weakest)
         return min(least, self.flank_share) if self.rating.holds else least
 
     @property
@@ -243,7 +243,7 @@ def smallest_gears(drive: Drive, space: GearRoom, on_trial: OnTrial = lambda don
     modules = set(space.modules_mm)
     while modules:
         guessed, module = min((search.least_volume(module), module) for module in modules)
-        volumes = sorted(one.volume_mm3 for one in found)
+        volumes = sorted(gears.volume_mm3 for gears in found)
         if guessed == inf or (found and guessed > min([GREATER * volumes[0], *volumes[BEST - 1 : BEST]])):
             break
         modules.remove(module)
@@ -251,7 +251,7 @@ def smallest_gears(drive: Drive, space: GearRoom, on_trial: OnTrial = lambda don
         if best is not None:
             found.append(best)
     if not found:
-        near = max(search.computed, key=lambda one: one.share)
+        near = max(search.computed, key=lambda gears: gears.share)
         raise NoSuchMechanism(
             f"no gears of series I up to {space.width_modules:g} modules wide were found that hold in this space; "
             f"nearest of {len(search.computed)} come {near.teeth} teeth of module {near.module_mm:g} mm, "
@@ -259,48 +259,52 @@ def smallest_gears(drive: Drive, space: GearRoom, on_trial: OnTrial = lambda don
             "material or less load is needed",
             key="gears",
         )
-    found = [search.smallest(one.module_mm, one) or one for one in sorted(found, key=lambda one: one.volume_mm3)]
-    least_mm3 = min(one.volume_mm3 for one in found)
-    found = sorted((one for one in found if one.volume_mm3 <= GREATER * least_mm3), key=lambda one: one.volume_mm3)
-    narrow = [search.narrowed(one) for one in found[:BEST]]
+    found = [
+        search.smallest(gears.module_mm, gears) or gears for gears in sorted(found, key=lambda gears: gears.volume_mm3)
+    ]
+    least_mm3 = min(gears.volume_mm3 for gears in found)
+    found = sorted(
+        (gears for gears in found if gears.volume_mm3 <= GREATER * least_mm3), key=lambda gears: gears.volume_mm3
+    )
+    narrow = [search.narrowed(gears) for gears in found[:BEST]]
     # If more gears remain than can be computed, gears without a known least width are left out.
-    least = [one for one, known in narrow if known] or [narrow[0][0]]
-    return sorted(least, key=lambda one: one.volume_mm3)
+    least = [gears for gears, known in narrow if known] or [narrow[0][0]]
+    return sorted(least, key=lambda gears: gears.volume_mm3)
 
 
-def _narrowest_mm(one: Sized) -> float:
-    return max(float(ceil(NARROWEST_MODULES * one.module_mm - 1e-9)), floor(widths_mm(one.drive.design)[0]) + 1.0)
+def _narrowest_mm(sized: Sized) -> float:
+    return max(float(ceil(NARROWEST_MODULES * sized.module_mm - 1e-9)), floor(widths_mm(sized.drive.design)[0]) + 1.0)
 
 
-def may_be_narrower(one: Sized) -> bool:
+def may_be_narrower(sized: Sized) -> bool:
     """Whether a helix can be cut into straight teeth that are wider than the narrowest."""
-    return may_be_helical(one.drive) and one.face_width_mm > _narrowest_mm(one)
+    return may_be_helical(sized.drive) and sized.face_width_mm > _narrowest_mm(sized)
 
 
-def in_herringbone(one: Sized) -> Sized | None:
+def in_herringbone(sized: Sized) -> Sized | None:
     """The same teeth as herringbones, which carry more, in the least of a few widths that were computed and hold.
 
     The angle is the best of HELIX_DEG by the estimate without teeth.  None where such teeth cannot be made (rings,
     gears that turn less than once, other methods, keys of the process), where the design gives a helix angle, or where
     the tried teeth are not narrower.
     """
-    if not may_be_narrower(one):
+    if not may_be_narrower(sized):
         return None
-    drive = one.drive
+    drive = sized.drive
 
     def herringbone(angle_deg: float, width_mm: float) -> Changes:
-        return {**one.changes, **with_helix(angle_deg, "herringbone"), **with_width(drive.design, width_mm)}
+        return {**sized.changes, **with_helix(angle_deg, "herringbone"), **with_width(drive.design, width_mm)}
 
     straight = _roughly(drive)
     shares = {}
     with suppress(DesignError, ValidationError):
         for angle in HELIX_DEG:
-            shares[angle] = _roughly(changed_drive(drive, herringbone(angle, one.face_width_mm)))
+            shares[angle] = _roughly(changed_drive(drive, herringbone(angle, sized.face_width_mm)))
     if not straight or not (better := max(shares.values(), default=0.0)) > straight:
         return None
     angle = max(shares, key=lambda key: shares[key])
-    below, above = _narrowest_mm(one) - 1.0, one.face_width_mm
-    guess, best = above / (one.share * better / straight), None
+    below, above = _narrowest_mm(sized) - 1.0, sized.face_width_mm
+    guess, best = above / (sized.share * better / straight), None
     for _ in range(TRIES):
         if above - below <= 1.0:
             break
@@ -323,7 +327,7 @@ def _roughly(drive: Drive) -> float:
     found = rough_strength(drive)
     if found is None or found.unjudged or found.needs_teeth:
         return 0.0
-    return min((one.safety / one.wanted for one in found.safeties), default=0.0)
+    return min((safety.safety / safety.wanted for safety in found.safeties), default=0.0)
 
 
 def smallest_accepted(
@@ -429,7 +433,7 @@ class _Search:
                 (teeth, module)
                 for module in self.space.modules_mm
                 for teeth in self.teeth()
-                if all(is_finer(one, teeth, module) for one in coarse)
+                if all(is_finer(size, teeth, module) for size in coarse)
             ]
             open_ = [(self.volume(*size), size) for size in sizes if size not in tried | self.weak]
             guessed, size = min(open_, default=(inf, None))
@@ -455,7 +459,7 @@ class _Search:
         for _ in range(POLISHED):
             fewest, most = max(found.teeth / FINENESS, self._fewest_teeth), int(found.teeth * FINENESS)
             left = set(range(ceil(fewest / lobes) * lobes, most + 1, lobes)) - tried - self.refused
-            guessed, teeth = min(((self.volume(one, found.module_mm), one) for one in left), default=(inf, 0))
+            guessed, teeth = min(((self.volume(count, found.module_mm), count) for count in left), default=(inf, 0))
             if guessed > POLISH * found.volume_mm3:
                 break
             tried.add(teeth)
@@ -472,7 +476,7 @@ class _Search:
         None where there are none within the space and the effort.
         """
         for _ in range(TRIES):
-            tried = {(one.teeth, one.module_mm) for one in self.computed[1:]} | self.weak
+            tried = {(sized.teeth, sized.module_mm) for sized in self.computed[1:]} | self.weak
             open_ = [(self.volume(z, module_mm), z) for z in self.teeth() if (z, module_mm) not in tried]
             guessed, teeth = min(open_, default=(inf, 0))
             if guessed == inf or (best is not None and guessed > POLISH * self.volume(best.teeth, module_mm)):
@@ -507,9 +511,9 @@ class _Search:
                 below = made.face_width_mm
         return best
 
-    def narrowed(self, one: Sized) -> tuple[Sized, bool]:
+    def narrowed(self, sized: Sized) -> tuple[Sized, bool]:
         """The gears with the least width that holds, and whether a mm less is known not to hold."""
-        teeth, module = one.teeth, one.module_mm
+        teeth, module = sized.teeth, sized.module_mm
         least_mm = self.widths_mm(module)[0] - 1.0
         own = [other for other in self.computed[1:] if (other.teeth, other.module_mm) == (teeth, module)]
         while True:
@@ -539,7 +543,7 @@ class _Search:
         changes: Changes = {**sized(self.drive, teeth, module_mm), **with_width(design, width_mm), **crowned}
         self.on_trial(self.trials + self.narrowings, self.most_computed + self.most_narrowed)
         # Teeth of earlier gears are not made again.
-        same = [one for one in self.computed if (one.teeth, one.module_mm) == (teeth, module_mm)]
+        same = [sized for sized in self.computed if (sized.teeth, sized.module_mm) == (teeth, module_mm)]
         try:
             changed = drive_like(same[-1].drive if same else self.drive, changed_design(design, changes))
             made = Sized(changes, changed, rating_of(changed, "estimate"))
@@ -551,7 +555,7 @@ class _Search:
                 self.too_small_mm = max(self.too_small_mm, teeth * module_mm)
             else:
                 # If so few teeth are refused, fewer are refused too, unless some were made.
-                some = {one.teeth for one in self.computed}
+                some = {sized.teeth for sized in self.computed}
                 fewer = {count for count in self.teeth() if count < teeth} if min(some) > teeth else set[int]()
                 self.refused |= {teeth} | fewer
             return None
@@ -602,7 +606,7 @@ class _Search:
         near = self.nearest(teeth, module_mm)
         scale = self.scale(teeth, module_mm) / self.scale(near.teeth, near.module_mm)
         larger = module_mm / near.module_mm
-        wider = [_wider(one, scale, larger) for one in near.rating.weakest]
+        wider = [_wider(weakest, scale, larger) for weakest in near.rating.weakest]
         if near.rating.holds:
             # Wear is in proportion to force over width, and may be a share of the module; heat is assumed to follow the
             # same rule.
@@ -618,7 +622,8 @@ class _Search:
     def nearest(self, teeth: int, module_mm: float) -> Sized:
         """Among the gears with the most similar number of teeth and then module, the gears computed last."""
         return min(
-            reversed(self.computed), key=lambda one: (abs(log(one.teeth / teeth)), abs(log(one.module_mm / module_mm)))
+            reversed(self.computed),
+            key=lambda gears: (abs(log(gears.teeth / teeth)), abs(log(gears.module_mm / module_mm))),
         )
 
 
@@ -633,12 +638,12 @@ def _with_uneven_load(wider: float, uneven: float, scale: float) -> float:
     return even / rest if rest > 0.0 else inf
 
 
-def _wider(one: Weakest, scale: float, larger: float) -> float:
+def _wider(weakest: Weakest, scale: float, larger: float) -> float:
     """The factor of a face width with which a tooth, scaled and with another module, would just be safe enough.
 
     The force is in proportion to 1 over the scale; a root's stress to force over width and module; the square of the
     pressure to force over width and scale.
     """
-    if one.damage is Damage.BENDING:
-        return 1.0 / (one.share * scale * larger)
-    return 1.0 / (one.share * scale) ** 2
+    if weakest.damage is Damage.BENDING:
+        return 1.0 / (weakest.share * scale * larger)
+    return 1.0 / (weakest.share * scale) ** 2

@@ -71,7 +71,7 @@ class Rating:
     @property
     def holds(self) -> bool:
         """Whether no safety is under the wanted safety."""
-        return all(one.holds for one in self.weakest)
+        return all(weakest.holds for weakest in self.weakest)
 
 
 def rating_of(drive: Drive, method: Literal["estimate", "elements"] | None = None) -> Rating:
@@ -141,7 +141,7 @@ def large_enough(drive: Drive, rating: Rating) -> Changes:
     teeth = drive.whole.by_stage[0].pitch.size.driving_teeth
 
     def changes(module_mm: float) -> Changes | None:
-        module = next((one for one in SERIES_I_MM if one >= module_mm), None)
+        module = next((module for module in SERIES_I_MM if module >= module_mm), None)
         return None if module is None else sized(drive, teeth, module)
 
     return _enough(drive, rating, drive.pitch.size.module_mm, module_factor, changes)
@@ -152,7 +152,7 @@ def helical_enough(drive: Drive, rating: Rating) -> Changes:
 
     Teeth are helical, or herringbone ones where bearings are given, which were chosen without thrust.
     """
-    if not may_be_helical(drive) or HELIX_GAIN * min(one.share for one in rating.weakest) < 1.0:
+    if not may_be_helical(drive) or HELIX_GAIN * min(weakest.share for weakest in rating.weakest) < 1.0:
         return {}
     kind = "helical" if drive.design.drivetrain is None else "herringbone"
     tried = (with_helix(angle, kind) for angle in HELIX_DEG)
@@ -175,7 +175,7 @@ def strong_enough(drive: Drive, rating: Rating) -> Changes:
     A material that holds is assumed to be no worse than every weaker material, so that few are computed.
     """
     given = drive.gears.material
-    names = [ASSUMED] if given is None else [one.name for one in given.each]
+    names = [ASSUMED] if given is None else [material.name for material in given.each]
     above = max((STRONGER.index(name) + 1 for name in names if name in STRONGER), default=0)
     low, high, found = above, len(STRONGER), Changes()
     while low < high:
@@ -243,15 +243,15 @@ def deciding_loads(drive: Drive, rating: Rating) -> dict[tuple[Gear, Damage], Lo
     from ncgear.drivetrain.jam import Load, deciding
 
     judged, found = drive.judged_teeth(rating.strength.method), dict[tuple[Gear, Damage], Load]()
-    for one in rating.weakest:
-        jammed = None if judged.jammed is None else lives_of(judged.jammed, one.gear)[one.damage]
-        borne, here = rating.loading.borne, np.array([one.phi1_rad])
-        if jammed is not None and jammed.safety[one.tooth - 1] == one.safety:
-            found[one.gear, one.damage] = "jam"
+    for weakest in rating.weakest:
+        jammed = None if judged.jammed is None else lives_of(judged.jammed, weakest.gear)[weakest.damage]
+        borne, here = rating.loading.borne, np.array([weakest.phi1_rad])
+        if jammed is not None and jammed.safety[weakest.tooth - 1] == weakest.safety:
+            found[weakest.gear, weakest.damage] = "jam"
         elif borne is None:
-            found[one.gear, one.damage] = "law"
+            found[weakest.gear, weakest.damage] = "law"
         else:
             followed: Load = "knocks" if borne.knocks else "swings"
             torques: dict[Load, float] = {"law": abs(borne.asked(here)[0]), followed: abs(borne.at(here)[0])}
-            found[one.gear, one.damage] = deciding(torques)
+            found[weakest.gear, weakest.damage] = deciding(torques)
     return found

@@ -60,7 +60,7 @@ def limits_of(drive: Drive, given: AssemblyTolerances) -> DeviationLimits:
         profile.append(other)
     warm = given.temperature
     range_c = (warm.least_c, warm.largest_c) if warm else (20.0, 20.0)
-    driving, driven = (one.entry.elastic.expansion_per_k for one in choices_of(drive.gears))
+    driving, driven = (choice.entry.elastic.expansion_per_k for choice in choices_of(drive.gears))
     return DeviationLimits(
         center_distance_mm=given.center_distance_mm,
         eccentricity_mm=(given.driving.eccentricity_mm, given.driven.eccentricity_mm),
@@ -156,7 +156,7 @@ def process_of(drive: Drive) -> Process:
     Without such keys: hobbed or shaped, if a hob can cut every gear, else wire-cut.
     """
     gears = drive.gears
-    materials = () if gears.material is None else [one.name for one in gears.material.each]
+    materials = () if gears.material is None else [choice.name for choice in gears.material.each]
     printed = any(name.endswith("-print") for name in materials)
     if printed or gears.process_clearance_mm > 0.0 or gears.first_layer_chamfer_mm > 0.0:
         return Process.PRINTED
@@ -183,7 +183,7 @@ def tolerances_of(drive: Drive) -> tuple[AssemblyTolerances, Process | None]:
     taken = given if process is None else _usual(process, min(apart_mm))
     assert taken is not None
     if drawn_mm is None and (process is not None or "center_distance_mm" not in taken.model_fields_set):
-        drawn_mm = max(taken.center_distance_mm, *(distance_deviation_mm(one) or 0.0 for one in apart_mm))
+        drawn_mm = max(taken.center_distance_mm, *(distance_deviation_mm(distance) or 0.0 for distance in apart_mm))
     return taken if drawn_mm is None else taken.model_copy(update={"center_distance_mm": drawn_mm}), process
 
 

@@ -62,7 +62,7 @@ def tooth_form_of(gears: Gears, module_mm: float) -> ToothForm:
         driving_shift_mm=driving * module_mm,
         driven_shift_mm=driven * module_mm,
         shift_for_undercut=shift.against_undercut,
-        tooth_shifts_mm=tuple(one * module_mm for one in shift.per_tooth or ()),
+        tooth_shifts_mm=tuple(per_module * module_mm for per_module in shift.per_tooth or ()),
         cutter=Cutter(CutterKind(gears.cutter.kind), gears.cutter.teeth),
         limits=TipLimits(gears.least_tip_land * module_mm, gears.undercut == "avoid"),
         equivalent=gears.method == "equivalent_gear",
@@ -89,7 +89,7 @@ def driving_axes_rad(gears: Gears, count: int) -> list[float]:
     if gears.idlers is None:
         return [last] * count
     turned, hand = gears.idlers.directions_rad, 1.0 if count % 2 else -1.0
-    return [last + hand * (one - turned[-1]) for one in turned]
+    return [last + hand * (angle - turned[-1]) for angle in turned]
 
 
 def mesh_place(gears: Gears, center_distance_mm: float) -> MeshPlace:

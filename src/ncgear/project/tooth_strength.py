@@ -105,9 +105,18 @@ def judged_in_row(
     judged: JudgedTeeth, elsewhere_mpa: tuple[Array | None, Array | None], conditions: Conditions, running: Running
 ) -> JudgedTeeth:
     """Teeth that other meshes bend the other way, by compressions of their roots as ``strength_of`` takes them."""
-    one = judged.strength
-    materials = one.driving.material, one.driven.material
-    asked = one.contacts, one.stresses, materials, conditions, judged.loading.cycle_rad, running, one.method, one.load
+    strength = judged.strength
+    materials = strength.driving.material, strength.driven.material
+    asked = (
+        strength.contacts,
+        strength.stresses,
+        materials,
+        conditions,
+        judged.loading.cycle_rad,
+        running,
+        strength.method,
+        strength.load,
+    )
     return replace(judged, strength=strength_of(*asked, elsewhere_mpa))
 
 
@@ -136,7 +145,7 @@ def methods_of(
     method: Method, sections: FaceSections, materials: tuple[Material, Material], rims: tuple[Rim, Rim]
 ) -> tuple[InSections, InSections]:
     """The methods for the teeth of both gears; raises WrongInput for elements of helical teeth."""
-    pairs, helix_rad = [one.teeth for one in sections.each], sections.helix_rad
+    pairs, helix_rad = [section.teeth for section in sections.each], sections.helix_rad
     if method == "elements":
         # Loads slowly, and only if asked for.
         from ncgear.strength.elements.teeth import elements_of
@@ -225,8 +234,8 @@ def stiffnesses(
     line_load = max(load.peak_n / face_width_mm, LIGHTEST_N_MM)
     each = zip(sections.each, methods[0].each, methods[1].each, strict=True)
     return [
-        LinearTeeth(one.teeth, (driving, driven), materials, one.share * face_width_mm, line_load)
-        for one, driving, driven in each
+        LinearTeeth(section.teeth, (driving, driven), materials, section.share * face_width_mm, line_load)
+        for section, driving, driven in each
     ]
 
 

@@ -95,7 +95,9 @@ def _deviations_mm(drive: Geared, asked: ToothLoad) -> tuple[float, float]:
             )
         )
     choices, larger = choices_of(drive.gears), np.max(found, axis=0)
-    pitch, profile = (one - sum(running_in(choice, running, one) for choice in choices) / 4.0 for one in larger)
+    pitch, profile = (
+        deviation - sum(running_in(choice, running, deviation) for choice in choices) / 4.0 for deviation in larger
+    )
     return float(pitch), float(profile)
 
 
@@ -103,8 +105,8 @@ def mesh_stiffness(loading: Loading, running: Running) -> MeshStiffness | None:
     """The mean stiffness of a loading's teeth over a pitch; None without load."""
     contacts, even = loading.contacts, loading.even
     stiffness, pairs = (
-        np.bincount(contacts.position, one, even.size)[even].astype(float)
-        for one in (contacts.stiffness_n_mm, contacts.share)
+        np.bincount(contacts.position, values, even.size)[even].astype(float)
+        for values in (contacts.stiffness_n_mm, contacts.share)
     )
     cycle_rad = loading.cycle_rad if loading.closed else None
     pitches = running.whole[0] * (cycle_rad or running.stroke_rad / 2.0) / (2.0 * pi)

@@ -358,9 +358,9 @@ class _RatioReturns:
     def slopes(self, skewness: Array) -> Array:
         """1/i12 and its slope by phi1, shape (2, k, n), NaN where no return closes."""
         slopes = np.full((2, skewness.size, self.phi1.size), np.nan)
-        for number, one in enumerate(skewness.tolist()):
+        for number, skew in enumerate(skewness.tolist()):
             with suppress(NoSuchMechanism):
-                slopes[:, number] = self.law(one).slope(self.phi1, 1).coefficients
+                slopes[:, number] = self.law(skew).slope(self.phi1, 1).coefficients
         return slopes
 
 

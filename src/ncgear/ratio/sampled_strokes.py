@@ -325,7 +325,8 @@ def peaked_returns(
     unit, guess = np.ones_like(length), about
     for _ in range(TOUCHING_STEPS):
         (b, b1, b2), (d, d1, d2) = (
-            [polynomial_at(part, about) for part in _derivatives(one, unit, 2)] for one in (base, direction)
+            [polynomial_at(part, about) for part in _derivatives(polynomial, unit, 2)]
+            for polynomial in (base, direction)
         )
         about = np.clip(about - (b1 * d - b * d1) / (b2 * d - b * d2), guess - 1.0 / TRIED, guess + 1.0 / TRIED)
     touching = base - polynomial_at(base, about) / polynomial_at(direction, about) * direction
@@ -387,8 +388,8 @@ def return_samples(
 def _cubic(strokes: WorkingStrokes[Array], linkage: Mechanisms[Any], length: Array, *, inverse: bool) -> Array:
     """The cubic in tau with the values and slopes of the two ends, shape (4, n)."""
     advances = braking(strokes, strokes.theta4_rad, 1), approach(strokes, np.zeros_like(length), 1)
-    slopes = (one.driven_slope(linkage) for one in advances)
-    far, near = (one if inverse else 1.0 / one for one in slopes)
+    slopes = (advance.driven_slope(linkage) for advance in advances)
+    far, near = (slope if inverse else 1.0 / slope for slope in slopes)
     return np.stack(hermite(far.value, far.derivative(1), near.value, near.derivative(1), length))
 
 

@@ -106,9 +106,9 @@ def solved_stroke(request: StrokeRequest) -> ClosedStroke:
     """
     asked = {name: value for name, value in vars(request).items() if name != "output"}
     arrays: dict[str, Any] = {name: None if value is None else np.array([value]) for name, value in asked.items()}
-    one: StrokeRequests[Array] = StrokeRequests(**arrays)
-    strokes = closed_strokes(one)
-    for refusal in stroke_refusals(one, strokes, request.output).values():
+    requests: StrokeRequests[Array] = StrokeRequests(**arrays)
+    strokes = closed_strokes(requests)
+    for refusal in stroke_refusals(requests, strokes, request.output).values():
         raise refusal
     return ClosedStroke(**{name: _first(values) for name, values in vars(strokes).items()})
 

@@ -167,8 +167,8 @@ class Batch:
             return [rows]
         with np.errstate(all="ignore"):
             same = [self.mechanisms.working_angle_rad] if self.kind.masses is None else [*self._lengths.values()]
-        _, number = np.unique([np.broadcast_to(one, rows.shape) for one in same], axis=1, return_inverse=True)
-        return [rows[number.ravel() == one] for one in range(number.max() + 1)]
+        _, number = np.unique([np.broadcast_to(array, rows.shape) for array in same], axis=1, return_inverse=True)
+        return [rows[number.ravel() == part] for part in range(number.max() + 1)]
 
     @property
     def _mechanism_class(self) -> type[Mechanism]:

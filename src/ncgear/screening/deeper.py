@@ -65,13 +65,13 @@ def is_row(design: Design) -> bool:
 def _of_whole(design: Design, stage: str) -> dict[str, Callable[[Drive], float]]:
     """The functions for the figures of a stage that are of the whole machine, by their names."""
     if stage == "teeth" and is_row(design):
-        return {ROOM: lambda drive: min((one.least_distance_mm for one in drive.row_room), default=inf)}
+        return {ROOM: lambda drive: min((distance.least_distance_mm for distance in drive.row_room), default=inf)}
     return {OF_WANTED: _of_wanted} if stage == "strength" else {}
 
 
 def _of_wanted(drive: Drive) -> float:
     ratings = [known_rating(pair) for pair in drive.by_stage]
-    shares = [one.share for rating in ratings if isinstance(rating, Rating) for one in rating.weakest]
+    shares = [weakest.share for rating in ratings if isinstance(rating, Rating) for weakest in rating.weakest]
     return min(shares, default=nan)
 
 
@@ -88,10 +88,10 @@ def deeper_names(design: Design, stage: str) -> tuple[str, ...]:
     pairs = design.stages
     return tuple(
         name
-        for one in stages_up_to(stage)
+        for reached in stages_up_to(stage)
         for name in (
-            *(f"{_of_pair(number, pairs)}{key}" for number in range(1, pairs + 1) for key in STAGES[one]),
-            *_of_whole(design, one),
+            *(f"{_of_pair(number, pairs)}{key}" for number in range(1, pairs + 1) for key in STAGES[reached]),
+            *_of_whole(design, reached),
         )
     )
 
@@ -133,11 +133,11 @@ def _followed(drive: Drive, stage: str) -> tuple[dict[str, float], str]:
     """The figures of a design up to its refusal, and its verdict."""
     found: dict[str, float] = {}
     try:
-        for one in stages_up_to(stage):
+        for reached in stages_up_to(stage):
             for number, pair in enumerate(drive.by_stage, start=1):
                 of = _of_pair(number, drive.design.stages)
-                found |= {f"{of}{name}": float(figure(pair)) for name, figure in STAGES[one].items()}
-            found |= {name: figure(drive) for name, figure in _of_whole(drive.design, one).items()}
+                found |= {f"{of}{name}": float(figure(pair)) for name, figure in STAGES[reached].items()}
+            found |= {name: figure(drive) for name, figure in _of_whole(drive.design, reached).items()}
     except DesignError as error:
         return found, str(error)
     return found, MADE

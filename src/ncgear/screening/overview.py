@@ -117,7 +117,7 @@ class Overview:
     @property
     def frequent_refusals(self) -> list[Refusal]:
         """The refusals, the most frequent first."""
-        return sorted((one for _, one in self.refusals), key=lambda one: -one.count)
+        return sorted((refusal for _, refusal in self.refusals), key=lambda refusal: -refusal.count)
 
     @cached_property
     def front(self) -> Designs | None:
@@ -155,7 +155,7 @@ class Overview:
         before = self.best or (kept.at(slice(0)),) * len(self.wanted.objectives)
         return replace(
             found,
-            best=tuple(_best(joined([one, kept]), self.wanted, place) for place, one in enumerate(before)),
+            best=tuple(_best(joined([part, kept]), self.wanted, place) for place, part in enumerate(before)),
             fronts=self._fronts(kept),
             drawn=drawn.at(first),
             lots=lots[first],
@@ -183,7 +183,7 @@ def _bins(varied: Listed | Ranged) -> tuple[Array, Array]:
 
 
 def _effects(effects: Effects, wanted: Wanted, part: Designs, keeps: Mask) -> Effects:
-    columns = [part.column(one.name) for one in wanted.objectives]
+    columns = [part.column(objective.name) for objective in wanted.objectives]
     objectives = np.array(columns).reshape(len(columns), len(part.numbers)).T
     origin = effects.origin
     if origin is None and keeps.any():
@@ -228,13 +228,13 @@ def _refusals(known: dict[str, Refusal], refused: Designs) -> tuple[tuple[str, R
     verdicts = "\0".join(refused.verdicts.tolist()).encode()
     problems = verdicts.translate(None, NUMBERS).replace(ANGLE, b"").decode().split("\0")[: len(refused.numbers)]
     for problem, count in Counter(problems).items():
-        one = known.get(problem)
-        if one is None:
+        refusal = known.get(problem)
+        if refusal is None:
             row = problems.index(problem)
             values = {key: float(column[row]) for key, column in refused.values.items()}
             known[problem] = Refusal(count, values, str(refused.verdicts[row]))
         else:
-            known[problem] = replace(one, count=one.count + count)
+            known[problem] = replace(refusal, count=refusal.count + count)
     return tuple(known.items())
 
 
@@ -248,7 +248,7 @@ def rank_correlations(overview: Overview) -> Array:
     if drawn is None or len(drawn.numbers) < 3:
         return np.full((len(keys), len(objectives)), np.nan)
     values = np.array([_ranks(drawn.values[key]) for key in keys])
-    figures = np.array([_ranks(rounded_to(drawn.column(one.name), DIGITS)) for one in objectives])
+    figures = np.array([_ranks(rounded_to(drawn.column(objective.name), DIGITS)) for objective in objectives])
     values, figures = (rows - rows.mean(axis=1, keepdims=True) for rows in (values, figures))
     size = np.sqrt((values**2).sum(axis=1)[:, None] * (figures**2).sum(axis=1)[None])
     with np.errstate(invalid="ignore"):

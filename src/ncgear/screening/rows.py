@@ -96,7 +96,7 @@ def _missed(quantities: Iterable[Functions], there: Mask) -> Array:
     missed = np.zeros(there.shape[1])
     for functions in quantities:
         counted = there[: len(functions.values)]
-        last, size = (np.where(counted, one, 0.0).max(axis=0) for one in (functions.tails, functions.size))
+        last, size = (np.where(counted, figure, 0.0).max(axis=0) for figure in (functions.tails, functions.size))
         missed = np.maximum(missed, np.where(last > 0.0, last / size, 0.0))
     return np.where(np.isnan(missed), np.inf, missed)
 
@@ -164,12 +164,12 @@ def found_of(batch: Batch, laws: Laws, rows: IndexArray, fineness: Fineness, tog
     made, refused = measured["resolved"] > 0.0, dict[int, DesignError]()
     known = np.nonzero(measured["drawn"])[0]
     if batch.written[0].gears is not None and known.size:
-        rolling, refused = _rolling(batch.kept(rows[known]), {name: one[known] for name, one in measured.items()})
+        rolling, refused = _rolling(batch.kept(rows[known]), {name: values[known] for name, values in measured.items()})
         refused = {int(rows[known[place]]): error for place, error in refused.items()}
         made[known[~rolling]] = False
     figures = {}
     if made.any():
-        figures = _figures(batch.kept(rows[made]), {key: one[made] for key, one in measured.items()})
+        figures = _figures(batch.kept(rows[made]), {key: values[made] for key, values in measured.items()})
     return BatchResults(measured["missed"], rows[made], figures, refused)
 
 
@@ -232,7 +232,7 @@ def _measured(found: Sampled, batch: Batch, steeper_deg: Array, speed_rad_s: Arr
     driven = {}
     if torque is not None:
         angles = samples.turning * samples.ratio
-        driven = {f"check.{key}": one for key, one in torque_figures(torque, angles, there, speed_rad_s).items()}
+        driven = {f"check.{key}": values for key, values in torque_figures(torque, angles, there, speed_rad_s).items()}
     return {
         **most,
         **driven,
@@ -311,7 +311,7 @@ def _pitch_figures(batch: Batch, measured: dict[str, Array]) -> dict[str, Array]
     length = measured["length"]
     lobes, (distance, _) = batch.kind.lobes, _distance(batch, length)
     gears = [design.gears for design in batch.written if design.gears is not None]
-    carrying = np.array([one.carrying_angle_deg for one in gears])[batch.follows]
+    carrying = np.array([gear.carrying_angle_deg for gear in gears])[batch.follows]
     tangent_deg = np.degrees(np.arctan(measured["tangent"]))
     return {
         "pitch.center_distance_mm": distance,

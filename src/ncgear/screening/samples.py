@@ -198,7 +198,9 @@ class _Strokes(Laws):
     def _breaks_rad(self) -> Array:
         """Driving angles at which the output passes each place where the force begins or ends, shape (k, n)."""
         segments = list(zip((approach, pressing, braking), _segments(self.strokes, Fineness(0)), strict=True))
-        passed = (sum(_passed_rad(self.strokes, *one, kink) for one in segments) for kink in self.batch.kinks_mm)
+        passed = (
+            sum(_passed_rad(self.strokes, *segment, kink) for segment in segments) for kink in self.batch.kinks_mm
+        )
         return np.array([*passed]).reshape(-1, len(self.batch))
 
     def sampled(self, rows: IndexArray, fineness: Fineness) -> Sampled:
@@ -224,7 +226,7 @@ def _stroke_laws(
     back_rad = returns.widths_rad(points).T
     slope, rate, bend, displacement, speed, change = worked
     ratio, first, second = _returned(returns, points, 2)
-    widths = np.concatenate([*(np.diff(one, axis=0) for one in edges), back_rad])
+    widths = np.concatenate([*(np.diff(edge, axis=0) for edge in edges), back_rad])
     inverse, working = 1.0 / slope, len(slope)
     # d/dphi2 = i d/dphi1, ln i = -ln s
     growth = rate * inverse
@@ -283,7 +285,7 @@ def _working_strokes(
         phi1 = ends[:-1, None] + np.diff(ends, axis=0)[:, None] * shares(fineness.count)[:, None]
         advance = way(strokes, phi1, 2)
         jets = advance.driven_slope(linkage), advance.displacement
-        rows.append([one.derivative(k) for one in jets for k in range(3)])
+        rows.append([jet.derivative(k) for jet in jets for k in range(3)])
     return [np.concatenate(parts) for parts in zip(*rows, strict=True)], edges
 
 
@@ -294,7 +296,7 @@ def _segments(strokes: WorkingStrokes[Array], fineness: Fineness) -> list[Array]
     singular, as the slider nearly stops, or starts or ends with hardly any acceleration.
     """
     theta2, theta3, theta4 = strokes.theta2_rad, strokes.theta3_rad, strokes.theta4_rad
-    cuts = [np.array(one)[:, None] for one in (fineness.approach or WHOLE, WHOLE, WHOLE)]
+    cuts = [np.array(fineness_of)[:, None] for fineness_of in (fineness.approach or WHOLE, WHOLE, WHOLE)]
     if fineness.approach is None:
         slowest = _slowest(strokes)
         cuts[0] = slowest + edges_about(slowest, WORKING_QUARTERINGS).T
@@ -356,7 +358,7 @@ class _Harmonics(Laws):
         """Coefficients of cosines and sines, shape (harmonics, n) both."""
         cosine, sine = self.batch.series("cosine"), self.batch.series("sine")
         longest = max(cosine.shape[1], sine.shape[1])
-        cosine, sine = (np.pad(one, ((0, 0), (0, longest - one.shape[1]))).T for one in (cosine, sine))
+        cosine, sine = (np.pad(series, ((0, 0), (0, longest - series.shape[1]))).T for series in (cosine, sine))
         return cosine, sine
 
     @cached_property
@@ -365,7 +367,7 @@ class _Harmonics(Laws):
 
     def sampled(self, rows: IndexArray, fineness: Fineness) -> Sampled:
         """Samples by the driven angle."""
-        cosine, sine = (one[:, rows] for one in self._series)
+        cosine, sine = (series[:, rows] for series in self._series)
         linkage, lobes, count = chosen(self.batch.mechanisms, rows), self.batch.kind.lobes, fineness.count
         # All mechanisms have the working angle of the first, like crank-sliders without offset.
         working = float(linkage.working_angle_rad[0])

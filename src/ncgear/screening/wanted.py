@@ -87,15 +87,15 @@ class Wanted:
 
     def costs(self, designs: Designs) -> Array:
         """The minimized values, shape (n, objectives)."""
-        costs = [one.cost(designs) for one in self.objectives]
+        costs = [objective.cost(designs) for objective in self.objectives]
         return np.array(costs).reshape(len(costs), len(designs.numbers)).T
 
     def of(self, names: Iterable[str]) -> Wanted:
         """The constraints and objectives on these columns alone."""
         known = set(names)
         return Wanted(
-            tuple(one for one in self.constraints if one.name in known),
-            tuple(one for one in self.objectives if one.name in known),
+            tuple(constraint for constraint in self.constraints if constraint.name in known),
+            tuple(objective for objective in self.objectives if objective.name in known),
         )
 
 
@@ -126,7 +126,7 @@ def objectives_of(texts: Sequence[str], names: Sequence[str]) -> tuple[Objective
     objectives = [objective_of(text, names) for text in texts]
     if not objectives:
         return tuple(Objective(name) for start in starts for name in names if name.startswith(start))
-    if len({one.name for one in objectives}) < len(objectives):
+    if len({objective.name for objective in objectives}) < len(objectives):
         raise WrongInput("a figure is given twice; keep one", key=OBJECTIVE)
     if len(objectives) > MOST_OBJECTIVES:
         problem = f"{len(objectives)} given; {MOST_OBJECTIVES} or fewer are right, or nearly every design is a best one"
@@ -136,13 +136,13 @@ def objectives_of(texts: Sequence[str], names: Sequence[str]) -> tuple[Objective
 
 def _known(name: str, names: Sequence[str], option: str) -> str:
     """The name of a column from its name or the last part of it."""
-    full = [one for one in names if one == name or one.endswith(f".{name}")]
+    full = [full_name for full_name in names if full_name == name or full_name.endswith(f".{name}")]
     if name in full:
         return name
     if len(full) == 1:
         return full[0]
     close = get_close_matches(name, names, n=1) or get_close_matches(
-        name, [one.rpartition(".")[2] for one in names], n=1
+        name, [full_name.rpartition(".")[2] for full_name in names], n=1
     )
     hint = f"did you mean {close[0]}?" if close else f"one of {', '.join(names)} is right"
     raise WrongInput(f"no figure {quoted(name)}; {hint}", key=option)

@@ -165,7 +165,7 @@ PLASTIC_CYCLES = 1e3, 1e10, 71
 def _plastic(choice: Choice, entry: Plastic, warm: ToothTemperature) -> tuple[EnduredStress | None, EnduredStress]:
     """Above the highest temperature, without figures, a plastic endures next to nothing.  Own limits stay."""
     cycles = np.geomspace(*PLASTIC_CYCLES)
-    root_c, flank_c = (max(one, COLDEST_C) for one in (warm.root_c, warm.flank_c))
+    root_c, flank_c = (max(temperature, COLDEST_C) for temperature in (warm.root_c, warm.flank_c))
     nothing = np.full_like(cycles, LEAST_MPA)
     contact: EnduredStress | None = None
     if choice.contact_limit_mpa is not None:

@@ -87,7 +87,7 @@ class SteelShaft:
 
     def reactions(self, at_mm: Array) -> Array:
         """Reactions of both bearings to 1 N at places, shape (2, n)."""
-        first, second = (one.at_mm for one in self.supports)
+        first, second = (support.at_mm for support in self.supports)
         on_second = (at_mm - first) / (second - first)
         return np.stack([1.0 - on_second, on_second])
 
@@ -95,7 +95,7 @@ class SteelShaft:
         """Deflection of the shaft in mm at n places under 1 N at each of k places; shape (n, k)."""
         forces = np.concatenate([at_mm, loaded_mm])
         borne = self.reactions(forces)
-        ends = np.unique(np.concatenate([forces, [one.at_mm for one in self.supports]]))
+        ends = np.unique(np.concatenate([forces, [support.at_mm for support in self.supports]]))
         length = np.diff(ends)
         point = (ends[:-1, None] + length[:, None] * GAUSS).ravel()
 
@@ -104,14 +104,14 @@ class SteelShaft:
             return np.asarray(np.maximum(places[:, None] - point, 0.0))
 
         moment, across = beyond(forces), (forces[:, None] > point).astype(float)
-        for one, reaction in zip(self.supports, borne, strict=True):
-            moment -= reaction[:, None] * np.maximum(one.at_mm - point, 0.0)
-            across -= reaction[:, None] * (one.at_mm > point)
+        for support, reaction in zip(self.supports, borne, strict=True):
+            moment -= reaction[:, None] * np.maximum(support.at_mm - point, 0.0)
+            across -= reaction[:, None] * (support.at_mm > point)
         weight = np.repeat(length / 2.0, 2)
         area = pi * self.diameter_mm**2 / 4.0
         bending = weight / (STEEL_MPA * area * self.diameter_mm**2 / 16.0)
         shear = SHEARED * weight / (SHEAR_MPA * area)
-        yielding = np.array([1.0 / one.stiffness_n_mm for one in self.supports])
+        yielding = np.array([1.0 / support.stiffness_n_mm for support in self.supports])
         near, far = slice(0, at_mm.size), slice(at_mm.size, None)
         return np.asarray(
             (moment[near] * bending) @ moment[far].T
@@ -200,15 +200,15 @@ class FaceModel:
         force, stiffness = loads.force_n[pressed], loads.stiffness_n_mm2[pressed]
         straight, twist = _mean_line(at), self._twist(at, loads.arms_mm[pressed])
         bodies = [
-            one.bent_teeth * bent + (1.0 - one.bent_teeth) * straight @ bent @ straight.T
-            for one, bent in ((one, one.compliance(at, at)) for one in self.shafts)
+            shaft.bent_teeth * bent + (1.0 - shaft.bent_teeth) * straight @ bent @ straight.T
+            for shaft, bent in ((shaft, shaft.compliance(at, at)) for shaft in self.shafts)
         ]
         compliance = twist + sum(bodies)
         gap = np.zeros((force.size, at.size))
-        for one, place, beside in zip(self.shafts, self.beside_mm, loads.beside_n[pressed].T, strict=True):
+        for shaft, place, beside in zip(self.shafts, self.beside_mm, loads.beside_n[pressed].T, strict=True):
             if place is not None:
-                bent = one.compliance(at, np.array([place]))[:, 0]
-                bent = one.bent_teeth * bent + (1.0 - one.bent_teeth) * straight @ bent
+                bent = shaft.compliance(at, np.array([place]))[:, 0]
+                bent = shaft.bent_teeth * bent + (1.0 - shaft.bent_teeth) * straight @ bent
                 gap = gap + bent * beside[:, None]
         gap = gap + self.lead.gap_mm(at, self.width_mm)
         if loads.couples_mm.any():
@@ -265,7 +265,7 @@ def best_fall_mm(
     high *= 2.0
     first, second = golden_section(largest, low, high, RESOLVED_MM)
     found = (first.at + second.at) / 2.0
-    return min(((at, largest(at)) for at in (0.0, found)), key=lambda one: one[1])
+    return min(((at, largest(at)) for at in (0.0, found)), key=lambda tried: tried[1])
 
 
 def _mean_line(at_mm: Array) -> Array:

@@ -127,7 +127,7 @@ def flash_k(pressed: Pressed, coefficient: Array, materials: tuple[Material, Mat
     B = sqrt(conductivity density heat) and Hertz's half-width b.  It holds for contacts so fast that no heat spreads
     along the flanks; slower contacts are heated less.
     """
-    first, second = (sqrt(np.prod(THERMAL[one.family]) * one.density_kg_m3) for one in materials)
+    first, second = (sqrt(np.prod(THERMAL[material.family]) * material.density_kg_m3) for material in materials)
     roots = np.sqrt(np.abs(pressed.rolling_m_s))
     carried = first * roots[:, 0] + second * roots[:, 1]
     width = np.sqrt(2e-3 * half_width_mm(pressed.line_n_mm, pressed.curvature_per_mm, materials))

@@ -14,7 +14,7 @@ from ncgear.strength.material import Material
 
 def contact_modulus_mpa(materials: tuple[Material, Material]) -> float:
     """E* of both bodies: 1 / E* = (1 - nu1^2) / E1 + (1 - nu2^2) / E2."""
-    return 1.0 / sum((1.0 - one.poisson**2) / one.youngs_modulus_mpa for one in materials)
+    return 1.0 / sum((1.0 - material.poisson**2) / material.youngs_modulus_mpa for material in materials)
 
 
 def hertz_pressure_mpa(

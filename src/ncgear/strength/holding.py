@@ -104,7 +104,7 @@ def weakest_under(strength: Strength, conditions: Conditions) -> list[Weakest]:
     """The same under conditions: the wanted safeties that they give, or else the usual ones of each gear's material."""
     usual = conditions.wanted_bending_safety, conditions.wanted_contact_safety
     return weakest_teeth(
-        strength, {one: WantedSafety(*(of(strength.of(one).material) for of in usual)) for one in Gear}
+        strength, {gear: WantedSafety(*(of(strength.of(gear).material) for of in usual)) for gear in Gear}
     )
 
 
@@ -118,16 +118,20 @@ def _weakest(life: ToothLife, gear: Gear, damage: Damage, wanted: float) -> Weak
 
 def worst(found: Sequence[Weakest]) -> Weakest:
     """The tooth with the least safety over its wanted safety."""
-    return min(found, key=lambda one: one.share)
+    return min(found, key=lambda weakest: weakest.share)
 
 
 def face_width_factor(found: Sequence[Weakest]) -> float:
     """The factor on the face width with which all teeth would just be safe enough; under 1 where less suffices."""
-    factor: float = max(float(1.0 / one.share) ** (1.0 if one.damage is Damage.BENDING else 2.0) for one in found)
+    factor: float = max(
+        float(1.0 / weakest.share) ** (1.0 if weakest.damage is Damage.BENDING else 2.0) for weakest in found
+    )
     return factor
 
 
 def module_factor(found: Sequence[Weakest]) -> float:
     """The factor on the module, for the same number and width of teeth, with which all would just be safe enough."""
-    factor: float = max(float(1.0 / one.share) ** (0.5 if one.damage is Damage.BENDING else 1.0) for one in found)
+    factor: float = max(
+        float(1.0 / weakest.share) ** (0.5 if weakest.damage is Damage.BENDING else 1.0) for weakest in found
+    )
     return factor

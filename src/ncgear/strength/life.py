@@ -49,8 +49,8 @@ def stresses_of(
     of_unit = [method.root_stress(contacts.on(gear)) for method, gear in zip(methods, Gear, strict=True)]
     return ContactStresses(
         pressure_mpa=pressure,
-        tension_mpa=np.array([roots * shaken * one.tension_mpa for one in of_unit]),
-        compression_mpa=np.array([roots * shaken * one.compression_mpa for one in of_unit]),
+        tension_mpa=np.array([roots * shaken * stress.tension_mpa for stress in of_unit]),
+        compression_mpa=np.array([roots * shaken * stress.compression_mpa for stress in of_unit]),
         face_load_factor=face_load_factor,
         dynamic_factor=dynamic_factor,
     )
@@ -121,9 +121,11 @@ def worse_of(first: Strength, second: Strength, lives: bool = True) -> Strength:
     """
     driving, driven = (
         replace(
-            one, bending=_worse(one.bending, other.bending, lives), contact=_worse(one.contact, other.contact, lives)
+            stresses,
+            bending=_worse(stresses.bending, other.bending, lives),
+            contact=_worse(stresses.contact, other.contact, lives),
         )
-        for one, other in ((first.of(gear), second.of(gear)) for gear in Gear)
+        for stresses, other in ((first.of(gear), second.of(gear)) for gear in Gear)
     )
     return replace(first, driving=driving, driven=driven)
 

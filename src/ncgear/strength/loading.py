@@ -121,7 +121,7 @@ class AskedTorque:
             row, size = np.searchsorted(phi1, places, side="right") - 1, np.abs(knocks)
             steps, number = np.unique(2 * row + (knocks > 0.0), return_inverse=True)
             hardest = largest_rows(size, number, steps.size)
-            beside = np.maximum(*(np.abs(torque)[(row[hardest] + one) % phi1.size] for one in (0, 1)))
+            beside = np.maximum(*(np.abs(torque)[(row[hardest] + step) % phi1.size] for step in (0, 1)))
             hardest = hardest[size[hardest] > beside + JUMP * size.max(initial=0.0)]
             ends = np.append(phi1, placement.cycle_rad), placement.step_mm * np.arange(phi1.size + 1)
             peaks = np.stack([np.interp(places[hardest], *ends), knocks[hardest]])
@@ -190,7 +190,7 @@ def loading_of(
         numbers = place, placement.phi1_rad[place], force[place, pair]
         return _contacts(sections, _Touching.of(meshing, placement, place, pair), numbers, speed_rad_s)
 
-    pairs = loaded[: solved.count] @ np.array([one.share for one in sections.each])[meshing.gaps.section]
+    pairs = loaded[: solved.count] @ np.array([section.share for section in sections.each])[meshing.gaps.section]
     pairs = pairs[pairs > 0.0]
     return Loading(
         contacts=_contacts(sections, touching, (row, phi1[row], found.force_n[chosen[row], slot]), speed_rad_s),
@@ -262,7 +262,7 @@ def shared(meshing: Meshing, phi1_rad: Array, torque_n_mm: Array) -> Shared:
     NoSuchMechanism where teeth would be pressed deeper into each other than the tables follow.
     """
     gaps, every = meshing.gaps, np.arange(phi1_rad.size)
-    error_rad, lever_mm, stiffness = (gaps.table.values(phi1_rad, one) for one in (ERROR, LEVER, STIFFNESS))
+    error_rad, lever_mm, stiffness = (gaps.table.values(phi1_rad, quantity) for quantity in (ERROR, LEVER, STIFFNESS))
     urge = np.where(torque_n_mm < 0.0, -1.0, 1.0)
     ours = gaps.urge[gaps.table.place(phi1_rad)[1]] == urge[:, None]
     ahead = np.where(ours, urge[:, None] * error_rad, -np.inf)
@@ -304,8 +304,8 @@ def _extreme_places_mm(
     ``found`` is the solution at positions, in any order.
     """
 
-    def sizes(one: Shared) -> Array:
-        return np.stack([one.error_rad, -one.error_rad, one.force_n.max(axis=1)])
+    def sizes(load: Shared) -> Array:
+        return np.stack([load.error_rad, -load.error_rad, load.force_n.max(axis=1)])
 
     def at(rolled_mm: Array) -> Array:
         phi1 = placed_at(pitch, asked.placement, rolled_mm).phi1_rad
@@ -315,7 +315,7 @@ def _extreme_places_mm(
     places, values = over_cycle(replace(known, rolled_mm=rolled), sizes(found)[:, order])
     told = np.array([ALIKE_RAD, ALIKE_RAD, 0.0])
     extremes = largest_from(at, places, values, np.maximum(KNOWN * np.ptp(values, axis=1), told))
-    return np.setdiff1d([one.at for one in extremes], places)
+    return np.setdiff1d([extremum.at for extremum in extremes], places)
 
 
 def _bearing(meshing: Meshing, placement: Placement, loaded: Mask) -> IndexArray:
@@ -388,7 +388,7 @@ def _contacts(
         driven.point,
         driven.inwards,
         touching.section,
-        np.array([one.share for one in sections.each])[touching.section],
+        np.array([section.share for section in sections.each])[touching.section],
     )
 
 

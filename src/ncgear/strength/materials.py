@@ -140,7 +140,7 @@ TABLE: dict[str, Entry] = {entry.name: entry for entry in ROWS}
 
 def near_materials(name: str) -> list[str]:
     """The materials of the table whose names begin as a name that is not in it, or else the nearest name, if any."""
-    begun = [one for one in TABLE if one.casefold().startswith(name.casefold())]
+    begun = [material for material in TABLE if material.casefold().startswith(name.casefold())]
     return begun or get_close_matches(name, TABLE, n=1, cutoff=0.5)
 
 

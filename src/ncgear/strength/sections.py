@@ -85,7 +85,7 @@ class InSections:
         tension, compression = np.empty((2, places.flank.size))
         for number, method in enumerate(self.each):
             rows = np.flatnonzero(places.section == number)
-            one = method.root_stress(places.kept(rows))
-            tension[rows], compression[rows] = one.tension_mpa, one.compression_mpa
+            stress = method.root_stress(places.kept(rows))
+            tension[rows], compression[rows] = stress.tension_mpa, stress.compression_mpa
         over = 1.0 if self.rim_factor is None else self.rim_factor[places.flank // 2]
         return RootStress(over * tension, over * compression)

@@ -107,7 +107,7 @@ class Wear:
     @property
     def deepest_mm(self) -> float:
         """The deepest place of both gears."""
-        return max(one.value for one in self.depth_mm)
+        return max(extremum.value for extremum in self.depth_mm)
 
     @property
     def life_h(self) -> float:
@@ -221,7 +221,7 @@ class _Pair:
         met = self.running.meetings(self.conditions.life_h)
         depth = met[:, None] * depth_mm(pressed, unparted / shaken, self.coefficients_mm3_n_m)
         play = depth.sum(axis=0)
-        return np.vstack([thin, flash, depth, *(np.where(side == one, play, 0.0) for one in BOTH_SIDES)])
+        return np.vstack([thin, flash, depth, *(np.where(side == flank, play, 0.0) for flank in BOTH_SIDES)])
 
 
 LEAST_FILM = 1e-6
@@ -257,10 +257,10 @@ def surfaces_of(
         films = pair.film_um(touched[2], pair.flash(touched[2], oil), oil)
         degrees_c = conditions.oil_temperature_c, pair.bulk_c
         film = Film(thickness, roughness_um(conditions), *degrees_c, hot, touched[0], films)
-        steels = [one.entry.group.scuffing_structure for one in choices if isinstance(one.entry, Ferrous)]
+        steels = [choice.entry.group.scuffing_structure for choice in choices if isinstance(choice.entry, Ferrous)]
         scuffs_c = scuffing_c(oil, conditions, min(steels)) if len(steels) == 2 else None
     pitting = [film_factor(*both, conditions, running) for both in mates]
-    own = [one if is_plastic else None for one, is_plastic in zip(warm, plastic, strict=True)]
+    own = [temperatures if is_plastic else None for temperatures, is_plastic in zip(warm, plastic, strict=True)]
     return Surfaces(
         film,
         scuffs_c,
@@ -279,7 +279,7 @@ def _creep(loading: Loading, choices: tuple[Choice, Choice], conditions: Conditi
         return None
     borne = float(contacts.share[even[contacts.position]].sum()) / int(even.sum())
     loaded_h = conditions.life_h * borne / min(running.teeth)
-    plastics = [one.entry.name for one in choices if isinstance(one.entry, Plastic)]
+    plastics = [choice.entry.name for choice in choices if isinstance(choice.entry, Plastic)]
     factors = [creep_factor(name, loaded_h) for name in plastics]
     if not factors or None in factors:
         return None
@@ -314,7 +314,7 @@ def _largest(pair: _Pair, loading: Loading, touched: Touched) -> list[ContactVal
     if loading.closed:
         places, values = np.append(places, places[0] + loading.cycle_mm), np.hstack([known, known[:, :1]])
     extremes = largest_from(at, places, values, KNOWN * known.max(axis=1))
-    rolled = np.array([one.at for one in extremes])
+    rolled = np.array([extremum.at for extremum in extremes])
     touching, found, _ = over(pair.touching(loading.between(rolled)), rolled.size)
     return [_place(touching, np.where(touching.position == row, found[row], -1.0)) for row in range(rolled.size)]
 

@@ -217,7 +217,7 @@ def _shared(
     middle, ratio = (reach[0] - reach[1]) / 2.0, reach.sum(axis=0) / base_pitch
     softening = 1.0 / np.sqrt(np.maximum((1.0 + ratio / 2.0) ** 2 / 2.0 - 1.0, 0.1))
     softer = np.cos(np.minimum(softening * np.abs(place - middle) / base_pitch, SOFTEST_RAD))
-    first, second = (one.youngs_modulus_mpa for one in materials)
+    first, second = (material.youngs_modulus_mpa for material in materials)
     virtual = plan.virtual(np.sort(_teeth(k, module), axis=0), angle)
     stiffest = 1e3 * single_stiffness_theoretical(virtual, (0.0, 0.0)) * cos(plan.helix_rad)
     stiffness = stiffest * 2.0 * first * second / (first + second) / STEEL_MPA * softer
@@ -274,7 +274,8 @@ def _borne(line_n_mm: Array, stiffness: Array, gap_mm: Array) -> tuple[Array, Ar
 def slid_w(sides: list[SharedLoad], positions: int, face_width_mm: float, coefficient: float) -> float:
     """The mean power in W that friction takes over a cycle of ``positions``; sliding follows from the turning."""
     rubbed = sum(
-        float(np.sum(one.line_n_mm * np.abs(one.place_mm) * one.load.turning_rad_s)) / one.sections for one in sides
+        float(np.sum(side.line_n_mm * np.abs(side.place_mm) * side.load.turning_rad_s)) / side.sections
+        for side in sides
     )
     return coefficient * face_width_mm * rubbed / positions / 1000.0
 
@@ -310,14 +311,19 @@ def rough_safeties(
     for gear, material in zip(Gear, materials, strict=True):
         met = running.meetings(conditions.life_h)[list(Gear).index(gear)]
         cycles, wanted = np.array(max(met, 1.0)), conditions.wanted_bending_safety(material)
-        over = [v * _factors_of_roots(running, conditions, one) for one, v in zip(uneven, shaken, strict=True)]
-        root = [k * _root_stress(one, gear, plan, running) for one, k in zip(sides, over, strict=True)]
+        over = [
+            v * _factors_of_roots(running, conditions, face_load) for face_load, v in zip(uneven, shaken, strict=True)
+        ]
+        root = [k * _root_stress(side, gear, plan, running) for side, k in zip(sides, over, strict=True)]
         counted = _alternating(sides, root, gear, running.teeth[list(Gear).index(gear)])
         found.append(_least(gear, Damage.BENDING, sides, counted, float(material.bending.at(cycles)), wanted))
         if material.contact is not None:
             wanted = conditions.wanted_contact_safety(material)
-            over = [(v * conditions.application_factor * one) ** 0.5 for one, v in zip(uneven, shaken, strict=True)]
-            pressed = [k * _pressure(one, materials) for one, k in zip(sides, over, strict=True)]
+            over = [
+                (v * conditions.application_factor * face_load) ** 0.5
+                for face_load, v in zip(uneven, shaken, strict=True)
+            ]
+            pressed = [k * _pressure(side, materials) for side, k in zip(sides, over, strict=True)]
             found.append(_least(gear, Damage.CONTACT, sides, pressed, float(material.contact.at(cycles)), wanted))
     return found
 
@@ -335,13 +341,13 @@ def static_safeties(
     Vibration only adds to that stress, and fewer cycles are endured no better: less is safe in truth, never more.
     """
     given = conditions.dynamic_factor or 1.0
-    over = [_factors_of_roots(running, conditions, one) for one in uneven]
+    over = [_factors_of_roots(running, conditions, face_load) for face_load in uneven]
     return [
         _least(
             gear,
             Damage.BENDING,
             sides,
-            [given * k * _root_stress(one, gear, plan, running).max(0) for one, k in zip(sides, over, strict=True)],
+            [given * k * _root_stress(side, gear, plan, running).max(0) for side, k in zip(sides, over, strict=True)],
             float(material.bending.stress_mpa[0]),
             conditions.wanted_bending_safety(material),
         )
@@ -354,14 +360,14 @@ def _factors_of_roots(running: Running, conditions: Conditions, uneven: Array) -
     return np.asarray(conditions.application_factor * face_load_factor_of_roots(running, uneven))
 
 
-def _root_stress(one: SharedLoad, gear: Gear, plan: ToothPlan, running: Running) -> Array:
+def _root_stress(side: SharedLoad, gear: Gear, plan: ToothPlan, running: Running) -> Array:
     """The root stress of a gear by each pair at each position, shape (p, n), without factors of load.
 
     A load below the pitch point counts as at the pitch point, where it bends a tooth more.
     """
-    place, angle = list(Gear).index(gear), one.angle_rad
-    teeth, slender = one.root_teeth[place], cos(plan.helix_rad)
-    outwards = np.maximum(one.place_mm * (1.0 - 2.0 * place), 0.0) / running.module_mm
+    place, angle = list(Gear).index(gear), side.angle_rad
+    teeth, slender = side.root_teeth[place], cos(plan.helix_rad)
+    outwards = np.maximum(side.place_mm * (1.0 - 2.0 * place), 0.0) / running.module_mm
     over = 2.0 * np.hypot(teeth * sin(angle) / 2.0 + outwards, teeth * cos(angle) / 2.0) - teeth
     # In the section across the tooth, in its own modules; heights are the same there.
     teeth, across, shift = plan.virtual(teeth, angle), atan(tan(angle) * slender), plan.shifts[place] / slender
@@ -369,7 +375,7 @@ def _root_stress(one: SharedLoad, gear: Gear, plan: ToothPlan, running: Running)
     section = root_section(teeth, shift, rack, across)
     section = replace(section, chord=section.chord - plan.thinner[place] / slender)
     factors = root_factors(section, teeth, shift, teeth + over / slender, across)
-    nominal = plan.rims[place](one.load.phi1_rad) * one.line_n_mm * cos(angle) / (running.module_mm * slender)
+    nominal = plan.rims[place](side.load.phi1_rad) * side.line_n_mm * cos(angle) / (running.module_mm * slender)
     return np.asarray(nominal * factors.form * factors.notch)
 
 
@@ -379,18 +385,18 @@ def _alternating(sides: list[SharedLoad], root: list[Array], gear: Gear, teeth: 
     ``root`` are the stresses by each pair.  Loads of a tooth's other flank press the root (``BOTH_WAYS``).
     """
     pressed = {urge: np.zeros(teeth) for urge in PUSHING_AND_BACK}
-    for one, stress in zip(sides, root, strict=True):
-        np.maximum.at(pressed[-one.load.urge[0]], one.tooth_of(gear, teeth), COMPRESSION_OVER_TENSION * stress)
-    more = [MEAN_STRESS * pressed[one.load.urge[0]][one.tooth_of(gear, teeth)] for one in sides]
+    for side, stress in zip(sides, root, strict=True):
+        np.maximum.at(pressed[-side.load.urge[0]], side.tooth_of(gear, teeth), COMPRESSION_OVER_TENSION * stress)
+    more = [MEAN_STRESS * pressed[side.load.urge[0]][side.tooth_of(gear, teeth)] for side in sides]
     return [np.where(own > 0.0, own + other, 0.0).max(axis=0) for own, other in zip(root, more, strict=True)]
 
 
-def _pressure(one: SharedLoad, materials: tuple[Material, Material]) -> Array:
+def _pressure(side: SharedLoad, materials: tuple[Material, Material]) -> Array:
     """The largest Hertz's pressure at each position of the most loaded pairs of the sections, shape (n,).
 
     It is without factors of load.
     """
-    line, curvature = (x.reshape(one.sections, -1, x.shape[-1]) for x in (one.line_n_mm, one.relative_curvature))
+    line, curvature = (x.reshape(side.sections, -1, x.shape[-1]) for x in (side.line_n_mm, side.relative_curvature))
     most = line.argmax(axis=1)[:, None]
     line, curvature = (np.take_along_axis(x, most, axis=1)[:, 0] for x in (line, curvature))
     return np.asarray(hertz_pressure_mpa(line, curvature, materials).max(axis=0))
@@ -399,7 +405,7 @@ def _pressure(one: SharedLoad, materials: tuple[Material, Material]) -> Array:
 def _least(
     gear: Gear, damage: Damage, sides: list[SharedLoad], stress: list[Array], endured_mpa: float, wanted: float
 ) -> RoughSafety:
-    values, angles = np.concatenate(stress), np.concatenate([one.load.phi1_rad for one in sides])
+    values, angles = np.concatenate(stress), np.concatenate([side.load.phi1_rad for side in sides])
     row = int(np.argmax(values))
     largest = max(float(values[row]), 1e-12)
     return RoughSafety(gear, damage, endured_mpa / largest, wanted, largest, float(angles[row]))

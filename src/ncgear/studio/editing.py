@@ -55,7 +55,7 @@ class TextHistory:
         if text == self.now:
             return self
         past = (*self.past, self.now)[-MOST_STEPS:]
-        fitting = sum(total <= MOST_CHARACTERS for total in accumulate(len(one) for one in reversed(past)))
+        fitting = sum(total <= MOST_CHARACTERS for total in accumulate(len(text) for text in reversed(past)))
         return TextHistory(text, past[len(past) - fitting :])
 
     def undone(self) -> TextHistory:
@@ -119,7 +119,7 @@ def _counterparts(former: list[str], lines: list[str]) -> dict[int, int]:
     ending = next((back for back in range(left) if former[-1 - back] != lines[-1 - back]), left)
     kept = {place: place for place in range(same)}
     kept |= {len(lines) - 1 - back: len(former) - 1 - back for back in range(ending)}
-    old, new = (one[same : len(one) - ending] for one in (former, lines))
+    old, new = (text[same : len(text) - ending] for text in (former, lines))
     if len(old) * len(new) > MOST_PAIRS:
         return kept
     alike = SequenceMatcher(None, old, new, autojunk=False).get_matching_blocks()
@@ -177,7 +177,7 @@ def _another_mechanism(text: str, name: Any) -> dict[str, Any]:
     usual = name == next(iter(MECHANISMS))
     values: dict[str, Any] = {"linkage": lengths if usual else {"kind": name, **lengths}}
     old = document.at("linkage.kind") or next(iter(MECHANISMS))
-    before, after = (MECHANISMS.get(one) for one in (old, name))
+    before, after = (MECHANISMS.get(mechanism) for mechanism in (old, name))
     for group in ("masses", "resistance", "wishes"):
         if before is None or after is None or getattr(before, group) is not getattr(after, group):
             values[group] = None
@@ -233,5 +233,5 @@ def _faults(document: Document, text: str, path: Path) -> dict[str, str]:
     try:
         as_it_is(text, path, document)
     except WrongInput as error:
-        return {one.key: one.problem for one in (error, *error.others)}
+        return {fault.key: fault.problem for fault in (error, *error.others)}
     return {}

@@ -77,10 +77,10 @@ def _rows(model: type[BaseModel], given: Mapping[str, Any], above: str, law: str
 
 def _another_spelling_is_given(name: str, model: type[BaseModel], given: Mapping[str, Any]) -> bool:
     """Whether the same quantity is given in another unit; for angles that are left out, only degrees are shown."""
-    alike = [one for one in spellings(quantity(name)) if one in model.model_fields]
+    alike = [spelling for spelling in spellings(quantity(name)) if spelling in model.model_fields]
     if quantity(name) == name or len(alike) < len(UNITS):
         return False
-    return any(one in given for one in alike) or not name.endswith("_deg")
+    return any(spelling in given for spelling in alike) or not name.endswith("_deg")
 
 
 def _group(key: Key, value: Any, root: type[BaseModel]) -> Row:
@@ -110,7 +110,7 @@ def _model_of(key: Key, given: Mapping[str, Any]) -> type[BaseModel]:
     if len(key.group) == 1:
         return key.group[0]
     by_law = {law_of(model): model for model in key.group if "law" in model.model_fields}
-    fewest = min(key.group, key=lambda one: len(fields_of(one)))
+    fewest = min(key.group, key=lambda model: len(fields_of(model)))
     return by_law.get(str(given.get("law", "")), fewest)
 
 

@@ -51,9 +51,9 @@ def handles(drive: Drive) -> list[Handle]:
     """
     points = drive.design.motion.law_points
     if not points:
-        return [*(_of_number(drive, one) for one in grips(drive)), *_of_wishes(drive)]
+        return [*(_of_number(drive, grip) for grip in grips(drive)), *_of_wishes(drive)]
     if len(points) <= MOST_HANDLES:
-        return [*(_of_point(drive, *one) for one in _placed(drive, points)), *_of_wishes(drive)]
+        return [*(_of_point(drive, *point) for point in _placed(drive, points)), *_of_wishes(drive)]
     return [*_of_few(drive, points), *_of_wishes(drive)]
 
 
@@ -79,8 +79,8 @@ def _of_few(drive: Drive, points: Sequence[DraggedPoint]) -> Iterator[Handle]:
     else:
         return
     placed = _placed(drive, [points[place] for place in places[:-1]])
-    for one, before, place, after in zip(placed, [places[-2] - count, *places], places, places[1:], strict=False):
-        made = _of_point(drive, *one)
+    for drawn, before, place, after in zip(placed, [places[-2] - count, *places], places, places[1:], strict=False):
+        made = _of_point(drive, *drawn)
         by = "power" if points[place].quantity == "ratio" else "sum"
         along = []
         for near in (*range(before + 1, place), *range(place + 1, after)):
@@ -177,18 +177,18 @@ def _of_wishes(drive: Drive) -> Iterator[Handle]:
     motion, output = drive.machine.motion(sample_angles(drive.transmission)), drive.linkage.OUTPUT
     working, angle_deg = drive.machine.working(motion.phi2_rad), np.degrees(motion.phi1_rad)
     displacement, cycle = output.place.factor * motion.displacement, drive.transmission.cycle_rad
-    for one in wished:
-        key, stroke = f"wishes.{one.key}", ~working if one.returning else working
-        if one.angle_rad is not None:
-            at_deg = degrees(one.angle_rad % cycle)
+    for wish in wished:
+        key, stroke = f"wishes.{wish.key}", ~working if wish.returning else working
+        if wish.angle_rad is not None:
+            at_deg = degrees(wish.angle_rad % cycle)
         else:
-            at_deg = float(angle_deg[stroke][np.argmin(np.abs(displacement[stroke] - one.place))])
-        if one.unit:
-            moves, shown = {"x": _along_angle(key, one.value, one.unit)}, one.shown
+            at_deg = float(angle_deg[stroke][np.argmin(np.abs(displacement[stroke] - wish.place))])
+        if wish.unit:
+            moves, shown = {"x": _along_angle(key, wish.value, wish.unit)}, wish.shown
         else:
-            text, shown = one.quantity.unit_of(output).text, one.sign * one.value
-            moves = {"y": {"key": key, "base": one.value, "factor": one.sign, "unit": text}}
-        yield _handle(drive, one.name, one.quantity, (at_deg, shown), moves)
+            text, shown = wish.quantity.unit_of(output).text, wish.sign * wish.value
+            moves = {"y": {"key": key, "base": wish.value, "factor": wish.sign, "unit": text}}
+        yield _handle(drive, wish.name, wish.quantity, (at_deg, shown), moves)
 
 
 def _wished(drive: Drive) -> Iterator[WishHandle]:

@@ -25,7 +25,7 @@ def words_of(error: Exception) -> str:
 def refusal(error: Exception, part: str = "") -> dict[str, Any]:
     """The reason why the parts after one do not exist; ``others`` has further faults of the same text."""
     design = error if isinstance(error, DesignError) else DesignError(words_of(error))
-    others = [_fault(one) for one in design.others]
+    others = [_fault(fault) for fault in design.others]
     return {"after": part, "wrong_input": isinstance(design, WrongInput), **_fault(design), "others": others}
 
 

@@ -42,7 +42,9 @@ def motion_answers(drive: Asked) -> Iterator[Answer]:
         # A curve that gives no gear can still be drawn further.
         yield from drawing_of(drive)
         raise
-    asked = [one for one in quantities_of(drive) if one is not Quantity.POWER or not power_needs_gears(drive)]
+    asked = [
+        quantity for quantity in quantities_of(drive) if quantity is not Quantity.POWER or not power_needs_gears(drive)
+    ]
     followed = motion_charts(drive, scene.loop_rad, asked, cycle_angles_rad(drive))
     yield (
         "motion",
@@ -72,7 +74,9 @@ def motion_answers(drive: Asked) -> Iterator[Answer]:
     )
     first = [quantity.key_of(drive.linkage.OUTPUT) for quantity in FIRST]
     charts = motion_charts(drive, scene.loop_rad)
-    yield from drawn_charts(sorted(charts, key=lambda one: first.index(one.key) if one.key in first else len(first)))
+    yield from drawn_charts(
+        sorted(charts, key=lambda quantity: first.index(quantity.key) if quantity.key in first else len(first))
+    )
     yield "verdict", verdict_data(judged(drive, KnownParts.MOTION))
     yield "best", saved(drive.design)
 
@@ -84,7 +88,11 @@ def train_answers(loaded: LoadedTrain) -> Iterator[Answer]:
 
     file, train = loaded.file, loaded.file.train.train()
     yield "scene", train_scene(train)
-    running = {"loop": train.cycle_rad, "swings": False, "paces": [asdict(one) for one in paces(abs(train.speed_rpm))]}
+    running = {
+        "loop": train.cycle_rad,
+        "swings": False,
+        "paces": [asdict(pace) for pace in paces(abs(train.speed_rpm))],
+    }
     yield "motion", {**running, "shafts": [], "charts": [], "handles": []}
     told = train_answer(file.name, file.description, train, checked_conditions(train), "")
     yield "figures", {"facts": train_facts(told), "crank": "", "achieved": [], "tables": []}

@@ -224,7 +224,7 @@ class OpenPage:
         """Take over the design that a ``job`` has found; for whole machines ``design`` is the name of one machine."""
         job = self._job(message)
         found = sorted(job.folder.glob("*-optimized.yaml")) if job.name == "optimize" and job.status == 0 else []
-        names = [one["name"] for one in _machines_of(job).get("machines", [])]
+        names = [machine["name"] for machine in _machines_of(job).get("machines", [])]
         if message.get("design") in names:
             found = [job.folder / f"{message['design']}.yaml"]
         if not found:
@@ -361,7 +361,7 @@ class OpenPage:
             "difference": difference(saved, text, self.file.path.name),
             "undo": len(self.history.past),
             "redo": len(self.history.future),
-            "commands": [name for name, one in COMMANDS.items() if one.takes_trains or not has_train(text)],
+            "commands": [name for name, command in COMMANDS.items() if command.takes_trains or not has_train(text)],
             "jobs": [self._plain(job) for job in self.jobs.values()],
         }
 

@@ -65,7 +65,7 @@ def start_page(folder: str, problem: str = "") -> tuple[str, str]:
     environment = Environment(loader=PackageLoader(WEB, ""), autoescape=True, undefined=StrictUndefined)
     choices = beginnings()
     content = environment.get_template("start.html.j2").render(
-        groups=[(group, [one for one in choices if one.group == group]) for group in GROUPS],
+        groups=[(group, [choice for choice in choices if choice.group == group]) for group in GROUPS],
         folder=folder,
         problem=problem,
         ncgear_version=__version__,
@@ -121,15 +121,18 @@ def beginnings() -> list[Beginning]:
     }
     found = [
         *(
-            Beginning(machine, one.value, CHOICES[one], partial(begun, beginning=one, answers={}))
-            for one in MachineName
+            Beginning(machine, name.value, CHOICES[name], partial(begun, beginning=name, answers={}))
+            for name in MachineName
         ),
         *(_by_law(law, *by_law[law_keys(law).BEGINS]) for law in LawName),
-        *(Beginning(shape, one, f"a {one} to print, and its mate", partial(_of_shape, one)) for one in SHAPES),
+        *(
+            Beginning(shape, outline, f"a {outline} to print, and its mate", partial(_of_shape, outline))
+            for outline in SHAPES
+        ),
         *(Beginning(wish, name, words, partial(_of_wish, wishes)) for name, (words, wishes) in WISHES.items()),
         *(Beginning(worked, path.stem, words, partial(_copied, path)) for path, words in _worked()),
     ]
-    return sorted(found, key=lambda one: GROUPS.index(one.group))
+    return sorted(found, key=lambda beginning: GROUPS.index(beginning.group))
 
 
 def begin(key: str, folder: Path) -> Path:
@@ -137,7 +140,7 @@ def begin(key: str, folder: Path) -> Path:
 
     Raises WrongInput for an unknown choice, and where the file cannot be written.
     """
-    chosen = next((one for one in beginnings() if one.key == key), None)
+    chosen = next((beginning for beginning in beginnings() if beginning.key == key), None)
     if chosen is None:
         raise WrongInput(f"{key!r} given; one of the choices is right", key="begin")
     for number in count(1):

@@ -113,7 +113,7 @@ class Guard:
             return "asked by no page"
         cookies = HTTPConnection(scope).cookies
         given = scope["path"].strip("/"), cookies.get(self.cookie, "")
-        known = any(secrets.compare_digest(one.encode(), self.token.encode()) for one in given)
+        known = any(secrets.compare_digest(token.encode(), self.token.encode()) for token in given)
         return None if known else "the address lacks its token; the studio has said it where it was started"
 
 
@@ -141,7 +141,7 @@ class Studio:
         """A page by the name that it has chosen; the oldest closed pages are forgotten."""
         assert self.path is not None
         if name not in self.pages:
-            closed = [one for one in self.pages if one not in self.open]
+            closed = [page for page in self.pages if page not in self.open]
             for old in closed[: max(len(self.pages) - MOST_REMEMBERED + 1, 0)]:
                 self.pages.pop(old).draft.let_go()
             # The processes of the first page load their modules while the browser starts.
@@ -261,7 +261,7 @@ class Studio:
 
     async def close(self) -> None:
         """End all processes."""
-        await asyncio.gather(self.ready.close(), *(one.closed() for one in self.pages.values()))
+        await asyncio.gather(self.ready.close(), *(page.closed() for page in self.pages.values()))
 
 
 async def _data_from(socket: WebSocket) -> str | bytes | None:

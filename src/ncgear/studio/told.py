@@ -86,7 +86,7 @@ def facts(drive: Drive) -> list[list[str]]:
     compared = {row.name: row.texts for row in compared_rows(drive)}
     rows = {name: (text,) for name, text in machine_facts(drive)} | compared
     ordered = dict.fromkeys([*compared, *rows])
-    return [[name, *(text for _, text in typeset((name, one) for one in rows[name]))] for name in ordered]
+    return [[name, *(text for _, text in typeset((name, row) for row in rows[name]))] for name in ordered]
 
 
 def safety_facts(pairs: Iterable[Drive]) -> list[tuple[str, str]]:

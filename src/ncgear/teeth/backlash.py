@@ -92,7 +92,7 @@ def play_of(pitch: PitchPair, rack: BasicRack, asked: Backlash) -> Play:
             key="gears.tolerances.tooth_thickness_upper_mm",
         )
     wider_mm = -2.0 * asked.thicker_mm * cosine
-    low, high = (Extremum(one.value * angle + wider_mm, one.at) for one in (least, largest))
+    low, high = (Extremum(extremum.value * angle + wider_mm, extremum.at) for extremum in (least, largest))
     return Play(angle, low, high, setback, asked.thicker_mm)
 
 
@@ -121,5 +121,8 @@ def idle_arms_mm(pitch: PitchPair, rack: BasicRack) -> tuple[Extremum, Extremum]
         radius = shape.radius(slope.truncated(tilt.order), Gear.DRIVEN, pitch.mesh)
         return radius * (cos(angle_rad) - sin(angle_rad) * tilt) / jet.sqrt(tilt * tilt + 1.0)
 
-    low, high = (Extremum(one.value * pitch.center_distance_mm, one.at) for one in pitch.transmission.extremes(arm, 1))
+    low, high = (
+        Extremum(extremum.value * pitch.center_distance_mm, extremum.at)
+        for extremum in pitch.transmission.extremes(arm, 1)
+    )
     return low, high

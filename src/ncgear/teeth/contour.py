@@ -96,13 +96,13 @@ def contour_of(gear: ToothedGear, tolerance_mm: float, flank_tolerance_mm: float
     flanks, *others = exact_curves(gear.tips, gear.sides)
     module = gear.flanks.rack.module_mm
     placed = _pieces(flanks, flank_tolerance_mm or tolerance_mm, module)
-    placed += [one for stretch in others for one in _pieces(stretch, tolerance_mm, module)]
-    ordered = sorted(placed, key=lambda one: one.rank)
-    curves = [one.curve for one in ordered]
+    placed += [piece for stretch in others for piece in _pieces(stretch, tolerance_mm, module)]
+    ordered = sorted(placed, key=lambda piece: piece.rank)
+    curves = [piece.curve for piece in ordered]
     whole = _bridged(curves, module) if gear.flanks.equivalent else curves
     pairs = zip(whole, [*whole[1:], whole[0]], strict=True)
-    closed = tuple(_ending(one, after.start, module) for one, after in pairs)
-    return Contour(closed, max(one.deviation_mm for one in ordered))
+    closed = tuple(_ending(piece, after.start, module) for piece, after in pairs)
+    return Contour(closed, max(piece.deviation_mm for piece in ordered))
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,10 +146,10 @@ def _perhaps_plain(points: ComplexArray, within_mm: float) -> Mask:
 def _bridged(curves: list[Curve], module: float) -> list[Curve]:
     """The curves with a line in each gap: equivalent gears have gaps beside lands, which belong to other circles."""
     closed: list[Curve] = []
-    for one, after in zip(curves, [*curves[1:], curves[0]], strict=True):
-        closed.append(one)
-        if np.linalg.norm(after.start - one.end) > SHORTEST_IN_MODULES * module:
-            closed.append(Line(one.end, after.start))
+    for curve, after in zip(curves, [*curves[1:], curves[0]], strict=True):
+        closed.append(curve)
+        if np.linalg.norm(after.start - curve.end) > SHORTEST_IN_MODULES * module:
+            closed.append(Line(curve.end, after.start))
     return closed
 
 

@@ -159,7 +159,7 @@ class BasicRack:
         """A right dedendum, for the given root radius or, where none fits, with a root radius that fits."""
         angles, module = self.angles_rad, self.module_mm
         radius, addendum = self.root_radius_mm / module, self.addendum_mm / module
-        deepest, usual = (deepest_rounded(angles, one, pi / 4.0) for one in (radius, 0.0))
+        deepest, usual = (deepest_rounded(angles, wanted_radius, pi / 4.0) for wanted_radius in (radius, 0.0))
         usual = min(usual, USUAL_DEPTH * addendum)
         if deepest > addendum:
             most = f" is usual, {shown_below(deepest, 3)} the most" if deepest > usual else " is the most"

@@ -68,17 +68,17 @@ class DeviationLimits:
     def displaced_mm(self, size_mm: float) -> float:
         """Estimate of the largest displacement of flanks against each other; ``size_mm`` is the centre distance."""
         driving, driven, housing = self.expansions
-        warm = max(abs(one - MADE_C) for one in self.temperature_c)
+        warm = max(abs(temperature - MADE_C) for temperature in self.temperature_c)
         growth = size_mm * (max(driving, driven, housing) * warm + max(driving, driven) * self.warmer_k)
-        tooth = sum(float(np.max(one, initial=0.0)) for one in (self.pitch_mm, self.profile_mm))
+        tooth = sum(float(np.max(deviation, initial=0.0)) for deviation in (self.pitch_mm, self.profile_mm))
         return 2.0 * tooth + self.center_distance_mm + sum(self.eccentricity_mm) + growth
 
     @property
     def rigid(self) -> Array:
         """The largest sizes of RIGID, shape (11,)."""
         driving, driven, housing = self.expansions
-        warm = max(abs(one - MADE_C) for one in self.temperature_c)
-        gears = max(abs(one + self.warmer_k - MADE_C) for one in self.temperature_c)
+        warm = max(abs(temperature - MADE_C) for temperature in self.temperature_c)
+        gears = max(abs(temperature + self.warmer_k - MADE_C) for temperature in self.temperature_c)
         off = np.repeat(self.eccentricity_mm, 2)
         growth = driving * gears, driven * gears, housing * warm
         return np.concatenate([[self.center_distance_mm], off, growth, [self.index_rad[0]], self.wear_mm])
@@ -293,9 +293,9 @@ def spread(limits: DeviationLimits) -> DeviationSpread:
         ("center_distance", {0: limits.center_distance_mm * normal}),
         *(("eccentricity_driving", {row: limits.eccentricity_mm[0] * axis}) for row in (1, 2)),
         *(("eccentricity_driven", {row: limits.eccentricity_mm[1] * axis}) for row in (3, 4)),
-        ("temperature", {5 + row: (high - low) * even * one for row, one in enumerate(limits.expansions)}),
+        ("temperature", {5 + row: (high - low) * even * expansion for row, expansion in enumerate(limits.expansions)}),
         ("index_driving", {8: limits.index_rad[0] * normal}),
-        ("wear", {9 + row: even * one for row, one in enumerate(limits.wear_mm)}),
+        ("wear", {9 + row: even * wear for row, wear in enumerate(limits.wear_mm)}),
     ]
     rigid = np.zeros((len(RIGID), len(causes)))
     for column, (_, moved) in enumerate(causes):

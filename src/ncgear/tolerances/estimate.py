@@ -115,8 +115,8 @@ Values = TypeVar("Values", LinearMesh, Deviations)
 def _in_short(values: Values) -> Values:
     """The same teeth in numbers of seven digits: they take half the time."""
     every = vars(values).items()
-    long = {name: one for name, one in every if isinstance(one, np.ndarray) and one.dtype == float}
-    short: dict[str, Any] = {name: one.astype(np.float32) for name, one in long.items()}
+    long = {name: array for name, array in every if isinstance(array, np.ndarray) and array.dtype == float}
+    short: dict[str, Any] = {name: array.astype(np.float32) for name, array in long.items()}
     return replace(values, **short)
 
 
@@ -169,7 +169,7 @@ def needed(backlash: Array, shared: Array) -> EstimatedBacklash:
     """
     from scipy.linalg import lstsq
 
-    terms = np.vstack([np.ones(backlash.size), *(one / max(np.ptp(one), TINY) for one in shared)]).T
+    terms = np.vstack([np.ones(backlash.size), *(need / max(np.ptp(need), TINY) for need in shared)]).T
     found = terms @ lstsq(terms, backlash, lapack_driver="gelsy")[0]
     return EstimatedBacklash(found, float(np.std(backlash - found)))
 
@@ -183,14 +183,14 @@ def enough(of_pairs: Sequence[EstimatedBacklash], turning: float) -> float:
     from scipy.optimize import brentq
 
     def lacking(given: float) -> float:
-        return turning - prod(1.0 - one.jammed(given) for one in of_pairs)
+        return turning - prod(1.0 - pair.jammed(given) for pair in of_pairs)
 
     if lacking(0.0) <= 0.0:
         return 0.0
-    widest = max(one.deviation for one in of_pairs)
-    most = max(0.0, *(float(one.shared.max()) for one in of_pairs)) + FARTHEST * widest
+    widest = max(pair.deviation for pair in of_pairs)
+    most = max(0.0, *(float(pair.shared.max()) for pair in of_pairs)) + FARTHEST * widest
     found = float(brentq(lacking, 0.0, most, xtol=1e-3 * widest + TINY))
-    spread = max(float(np.hypot(one.shared.std(), one.deviation)) for one in of_pairs)
-    above = max((found - float(one.shared.mean())) / spread for one in of_pairs) if spread else 0.0
-    count = min(one.shared.size for one in of_pairs)
+    spread = max(float(np.hypot(pair.shared.std(), pair.deviation)) for pair in of_pairs)
+    above = max((found - float(pair.shared.mean())) / spread for pair in of_pairs) if spread else 0.0
+    count = min(pair.shared.size for pair in of_pairs)
     return found + NORMAL_95 * spread * sqrt((1.0 + above**2 / 2.0) / count)

@@ -70,7 +70,9 @@ def on_sides(gear: ToothedGear, *, ring: bool) -> OnSides:
     for kind, curve in ((FLANK, flanks.flank), (FILLET, flanks.fillet)):
         rows = np.flatnonzero(sides.kind == kind)
         if rows.size:
-            points[rows], slopes[rows] = (as_complex(one) for one in curve(sides.owner[rows, None], parameter[rows]))
+            points[rows], slopes[rows] = (
+                as_complex(point) for point in curve(sides.owner[rows, None], parameter[rows])
+            )
     _, nearest = cKDTree(as_points(points.ravel())).query(as_points(outline))
     run, column = np.divmod(nearest, ALONG)
     slope, between = slopes[run, column], outline - points[run, column]
@@ -210,7 +212,7 @@ def linear_errors(exact: Exact, assemblies: Sequence[Deviations]) -> list[Linear
     nothing = Deviations(*(np.zeros_like(values) for values in vars(assemblies[0]).values()))
     bare = exact.leads(nothing), mesh.leads(nothing)
     errors = []
-    for one in assemblies:
-        found, linear = exact.leads(one) - bare[0], (mesh.leads(one) - bare[1])[:, exact.rows, 0]
+    for assembly in assemblies:
+        found, linear = exact.leads(assembly) - bare[0], (mesh.leads(assembly) - bare[1])[:, exact.rows, 0]
         errors.append(LinearError(float(np.max(np.abs(linear - found) * arm)), float(np.max(np.abs(found) * arm))))
     return errors

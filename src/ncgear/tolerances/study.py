@@ -159,7 +159,7 @@ def sobol_tasks(lot: Lot, count: int, seed: int) -> list[AssembliesTask]:
         for source in lot.sources
         for task, other in zip(own, others, strict=True)
     ]
-    return [replace(one, number=number) for number, one in enumerate(own + others + swapped)]
+    return [replace(task, number=number) for number, task in enumerate(own + others + swapped)]
 
 
 def sobol_indices_of(lot: Lot, found: Assemblies) -> dict[str, tuple[Index, ...]]:
@@ -182,7 +182,7 @@ def sobol_indices_of(lot: Lot, found: Assemblies) -> dict[str, tuple[Index, ...]
         error = NORMAL_95 * squared.std(axis=1) / sqrt(count)
         rows = zip(sources, np.ravel(result.first_order), np.ravel(result.total_order), error, strict=True)
         own = [Index(source, *map(float, numbers)) for source, *numbers in rows]
-        indices[name] = tuple(sorted(own, key=lambda one: -one.total))
+        indices[name] = tuple(sorted(own, key=lambda index: -index.total))
     return indices
 
 
@@ -225,7 +225,7 @@ def first_order(lot: Lot, number: int, tasks: Iterable[AssembliesTask]) -> First
             (shares[gear][row] * sizes[mesh.flank[gear][row]]) ** 2 for gear in (0, 1) for row in rows
         )
     plays = np.concatenate([-mesh.leads(lot.drawn(task)[number]).sum(axis=0) for task in tasks], axis=1)
-    by_source = {source: np.sqrt(one) * arm for source, one in variance.items()}
+    by_source = {source: np.sqrt(variance_of) * arm for source, variance_of in variance.items()}
     spread_rad = np.where(np.ptp(plays, axis=1) > JAMMED_RAD, plays.std(axis=1), 0.0)
     return FirstOrder(np.sqrt(sum(variance.values())) * arm, spread_rad * arm, by_source)
 

@@ -77,7 +77,7 @@ class PairRow:
     def cycle_rad(self) -> float:
         """Driving angle after which all gears have made whole turns."""
         lobes = [self.pairs[0].transmission.lobes.driving, *(pair.transmission.lobes.driven for pair in self.pairs)]
-        return 2.0 * pi * lcm(*(one // gcd(one, lobes[0]) for one in lobes))
+        return 2.0 * pi * lcm(*(count // gcd(count, lobes[0]) for count in lobes))
 
     def rolled_mm(self, number: int) -> float:
         """The arc that rolls while an idler, by its number from 1 on, turns from the axis before it to the next."""
@@ -161,7 +161,7 @@ def chain_train(
     """The row as a train; raises as ``row_tips``."""
     made = [tips for _, tips in row_tips(row, row_form(row, form))]
     chords = ChordTolerance(tolerance_mm, tolerance_mm)
-    gears = [toothed_gear(one, chords) for one in (made[0][0], *(driven for _, driven in made))]
+    gears = [toothed_gear(gear, chords) for gear in (made[0][0], *(driven for _, driven in made))]
     told = _told(row, min(least_contact_ratio(both) for both in made))
     return train_of_gears(row, gears, width_mm, bore_mm, speed_rpm, tolerance_mm, told)
 
@@ -199,7 +199,7 @@ def _told(row: PairRow, contact_ratio: float) -> TrainFigures:
     convex = [pair.convex(gear) for pair in row.pairs for gear in Gear]
     rows = (
         ("gears", f"{', '.join(map(str, row.teeth))} teeth, module {row.pairs[0].size.module_mm:.6g} mm"),
-        ("axes", f"{', '.join(f'{one:.6g}' for one in distances)} mm apart"),
+        ("axes", f"{', '.join(f'{distance:.6g}' for distance in distances)} mm apart"),
         (
             "ratio",
             f"{low.value:.5g} at {degrees(placed_rad(low.at)):.4g} deg to {high.value:.5g} at "

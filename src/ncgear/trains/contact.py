@@ -82,7 +82,7 @@ def _contact(train: Train, first: str, second: str, kind: Mesh, outlines_mm: Map
             (place,), (turn,) = relative(np.array([angle]))
             return measure(place, turn)
 
-        ends.append(_greatest(value, angles, np.array([measure(*one) for one in places])))
+        ends.append(_greatest(value, angles, np.array([measure(*pose) for pose in places])))
     (deepest, deepest_at), (gap, gap_at) = ends
     return MeshContact(first, second, deepest, deepest_at, gap, gap_at)
 
@@ -99,7 +99,7 @@ def _greatest(value: Callable[[float], float], angles: Array, found: Array) -> t
     for number in np.argsort(found)[::-1][:SEARCHED]:
         middle = float(angles[number])
         near = golden_section(lambda angle: -value(angle), middle - step, middle + step, NARROWED * step)
-        least = min(near, key=lambda one: one.value)
+        least = min(near, key=lambda extremum: extremum.value)
         if -least.value > best:
             best, at = -least.value, least.at
     return best, at
@@ -204,9 +204,9 @@ def distances_of(train: Train, outlines_mm: Mapping[str, Array]) -> list[Distanc
             one_body = train.body(first) == train.body(second)
             if one_body or first.rim_mm is not None or second.rim_mm is not None:
                 continue
-            one = _distance(train, first, second, outlines_mm)
-            if one is not None:
-                found.append(one)
+            distance = _distance(train, first, second, outlines_mm)
+            if distance is not None:
+                found.append(distance)
     return found
 
 
@@ -243,4 +243,4 @@ def _signed_distance(area: Polygon, points: ComplexArray) -> float:
 
 def worst(found: Sequence[MeshContact]) -> tuple[float, float]:
     """The greatest penetration and the greatest gap of several meshes, in mm."""
-    return max(one.penetration_max_mm for one in found), max(one.gap_max_mm for one in found)
+    return max(contact.penetration_max_mm for contact in found), max(contact.gap_max_mm for contact in found)

@@ -118,9 +118,9 @@ def body_of(part: Part, density_kg_m3: float, put: Sequence[PutMass] = ()) -> Ri
         gone = pi * diameter**2 / 4.0
         area, first, second = area - gone, first - gone * at, second - gone * (abs(at) ** 2 + diameter**2 / 8.0)
     per_mm2 = density_kg_m3 * part.face_width_mm / MM_PER_M**3
-    kg = per_mm2 * area + sum(one.kg for one in put)
-    center = (per_mm2 * first + sum(one.kg * one.at_mm for one in put)) / kg
-    about_origin = per_mm2 * second + sum(one.kg * abs(one.at_mm) ** 2 for one in put)
+    kg = per_mm2 * area + sum(mass.kg for mass in put)
+    center = (per_mm2 * first + sum(mass.kg * mass.at_mm for mass in put)) / kg
+    about_origin = per_mm2 * second + sum(mass.kg * abs(mass.at_mm) ** 2 for mass in put)
     return RigidBody(kg, center, about_origin - kg * abs(center) ** 2)
 
 
@@ -145,7 +145,7 @@ class _Moving:
 def _moving(train: Train, poses: Poses, number: int, density_kg_m3: float, put: Sequence[PutMass]) -> _Moving:
     """The part ``number``; poses are those at POSITIONS even driving angles and at the end of the cycle."""
     part = train.parts[number]
-    body = body_of(part, density_kg_m3, [one for one in put if one.part == part.name])
+    body = body_of(part, density_kg_m3, [mass for mass in put if mass.part == part.name])
     place, turn = poses.places(number)
     center = (place + body.center_mm * turn)[:-1]
     turned = poses.angle_rad[number]
@@ -175,12 +175,12 @@ def loads_of(train: Train, density_kg_m3: float, put: Sequence[PutMass], gravity
     force: ComplexArray = np.zeros(POSITIONS, dtype=complex)
     total = 0.0
     for number in range(len(train.parts)):
-        one = _moving(train, poses, number, density_kg_m3, put)
-        body, inertia = one.body, one.body.kg * one.acceleration * speed**2
-        turning = body.kg_mm2 * one.faster * speed**2
-        torque += ((inertia - body.kg * gravity_mm_s2).conj() * one.velocity).real + turning * one.spin
+        moving = _moving(train, poses, number, density_kg_m3, put)
+        body, inertia = moving.body, moving.body.kg * moving.acceleration * speed**2
+        turning = body.kg_mm2 * moving.faster * speed**2
+        torque += ((inertia - body.kg * gravity_mm_s2).conj() * moving.velocity).real + turning * moving.spin
         force -= inertia
-        moment -= ((one.center - axis).conj() * inertia).imag + turning
+        moment -= ((moving.center - axis).conj() * inertia).imag + turning
         total += body.kg
     turned = poses.angle_rad[train.number(train.driving), :-1]
     pull = -_derivative(np.exp(1j * (turned - turned[0])), 2, train.cycle_rad) * speed**2
@@ -223,15 +223,15 @@ def turning_load(
     for number, part in enumerate(train.parts):
         if train.body(part) != train.body(train.part(name)):
             continue
-        one = _moving(train, poses, number, density_kg_m3, put)
-        body, arm = one.body, one.center - axis
+        moving = _moving(train, poses, number, density_kg_m3, put)
+        body, arm = moving.body, moving.center - axis
         kg_mm2 = body.kg_mm2 + body.kg * float(np.abs(arm[0])) ** 2
-        moment += one.needed(axis, speed, gravity_mm_s2)[1]
+        moment += moving.needed(axis, speed, gravity_mm_s2)[1]
         about_axis += kg_mm2
     turned = poses.angle_rad[own] - poses.angle_rad[driving]
     sense = float(np.sign(turned[-1] - turned[0]))
     even = about_axis * faster * speed**2
-    rate, torque, even = (sense * np.append(one, one[0]) for one in (rate, moment, even))
+    rate, torque, even = (sense * np.append(quantity, quantity[0]) for quantity in (rate, moment, even))
     return TurningLoad(sense * (turned - turned[0]), rate, torque / MM_PER_M**2, even / MM_PER_M**2, about_axis)
 
 
@@ -250,10 +250,10 @@ def joint_forces(
     axes = [poses.places(number)[0][:-1] for number in range(len(train.parts))]
     force: dict[str, ComplexArray] = {}
     moment: dict[str, Array] = {}
-    for part, one in zip(train.parts, moving, strict=True):
+    for part, moving_part in zip(train.parts, moving, strict=True):
         body = train.body(part)
         if body != GROUND and np.ptp(axes[train.number(body)].real) > 0.0:
-            needed, turning = one.needed(axes[train.number(body)], speed, gravity_mm_s2)
+            needed, turning = moving_part.needed(axes[train.number(body)], speed, gravity_mm_s2)
             force[body], moment[body] = force.get(body, 0.0) + needed, moment.get(body, 0.0) + turning
     teeth: dict[tuple[str, str], ComplexArray] = {}
     left = list(train.meshes)
@@ -265,13 +265,13 @@ def joint_forces(
         point, ways = _pushes([axes[n] for n in numbers], [moving[n].spin for n in numbers], train.cycle_rad, rack_rad)
         sides = dict(zip(_bodies(train, mesh), (-1.0, 1.0), strict=True))
         lever = [sides[body] * ((point - axes[train.number(body)]).conj() * way).imag for way in ways]
-        sizes = [moment[body] / one for one in lever]
+        sizes = [moment[body] / arm for arm in lever]
         found: ComplexArray = np.where(sizes[0] >= 0.0, sizes[0] * ways[0], sizes[1] * ways[1])
         teeth[mesh.first, mesh.second] = found / MM_PER_M
         for name in force.keys() & sides.keys():
             force[name] = force[name] - sides[name] * found
             moment[name] = moment[name] - sides[name] * ((point - axes[train.number(name)]).conj() * found).imag
-    return TrainForces(teeth, {name: one / MM_PER_M for name, one in force.items()})
+    return TrainForces(teeth, {name: value / MM_PER_M for name, value in force.items()})
 
 
 def _bodies(train: Train, mesh: GearMesh) -> tuple[str, str]:

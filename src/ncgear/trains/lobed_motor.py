@@ -297,25 +297,25 @@ def _told(
         "chamber": _over_a_cycle(chambers),
         "dead_spaces": [
             {
-                "area_mm2": one.area_mm2,
-                "direction_deg": degrees(one.middle_rad),
-                "planets_beside_deg": degrees(one.beside_rad),
+                "area_mm2": space.area_mm2,
+                "direction_deg": degrees(space.middle_rad),
+                "planets_beside_deg": degrees(space.beside_rad),
             }
-            for one in (least, most)
+            for space in (least, most)
         ],
         "ports": [
             {
-                "direction_deg": degrees(one.direction_rad),
-                "distance_mm": one.distance_mm,
-                "radius_max_mm": one.radius_mm,
+                "direction_deg": degrees(port.direction_rad),
+                "distance_mm": port.distance_mm,
+                "radius_max_mm": port.radius_mm,
             }
-            for one in ports
+            for port in ports
         ],
         "contact_ratio_min": gears.contact_ratio,
     }
     if pressure_mpa is not None:
         force = chambers.most_tooth_force(pressure_mpa, teeth.rack.pressure_angle_rad)
-        torques = [pressure_mpa * one.value * N_M_PER_N_MM for one in (low, high)]
+        torques = [pressure_mpa * torque.value * N_M_PER_N_MM for torque in (low, high)]
         rows.append(
             (
                 "under pressure",
@@ -330,7 +330,7 @@ def _told(
             "tooth_force_max_n": force.value,
         }
     head = f"lobed motor, {curves.sun_lobes} by {curves.ring_lobes} lobes, {curves.planets} planets"
-    return TrainFigures(head, tuple(rows), figures, _conditions(gears, min(one.radius_mm for one in ports), teeth))
+    return TrainFigures(head, tuple(rows), figures, _conditions(gears, min(port.radius_mm for port in ports), teeth))
 
 
 L_PER_CM3 = 1e-3

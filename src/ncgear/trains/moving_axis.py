@@ -73,7 +73,7 @@ def moving_gears(axes: MovingAxes, teeth: int, form: ToothForm, tolerance_mm: fl
         form.limits,
     )
     chords = ChordTolerance(tolerance_mm, tolerance_mm)
-    driving, driven = (toothed_gear(one, chords) for one in tips)
+    driving, driven = (toothed_gear(tip, chords) for tip in tips)
     return MovingGears(driving, driven, least_contact_ratio(tips))
 
 
@@ -112,7 +112,7 @@ def _told(
 ) -> TrainFigures:
     near, far = axes.extremes(axes.distance)
     slow, fast = axes.extremes(lambda phi, order: axes.distance(phi, order + 1).differentiated())
-    offset = max(abs(one.value) for one in axes.extremes(lambda phi, order: axes.pitch_point(phi, order)[1]))
+    offset = max(abs(extremum.value) for extremum in axes.extremes(lambda phi, order: axes.pitch_point(phi, order)[1]))
     ratios = axes.transmission.ratio_range
     speed = max(abs(slow.value), abs(fast.value))
     undercut = {name: gear.undercut for name, gear in (("driving", gears.driving), ("driven", gears.driven))}

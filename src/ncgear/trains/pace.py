@@ -79,17 +79,17 @@ def carrier_pace(
     way_mm = np.abs(motion.carrier_mm + motion.arm_mm * rate * np.exp(-1j * turned))
     least, equal, shares = np.full(PLACES, LEAST_PACE), list[Array](), list[float]()
     orders = arms * np.arange(1.0, WAVES + 1.0)
-    for one in stretches:
-        start, length = at[one.start], (at[one.end] - at[one.start]) % (2.0 * pi) or 2.0 * pi
-        if one.share is not None:
+    for stretch in stretches:
+        start, length = at[stretch.start], (at[stretch.end] - at[stretch.start]) % (2.0 * pi) or 2.0 * pi
+        if stretch.share is not None:
             ends = np.array([[start + length], [start]])
             integral = np.concatenate([np.sin(ends * orders) / orders, -np.cos(ends * orders) / orders], axis=1)
             equal.append((integral[0] - integral[1]) / (2.0 * pi))
-            shares.append(one.share - length / (2.0 * pi))
-        if one.speed_mm_s is not None:
+            shares.append(stretch.share - length / (2.0 * pi))
+        if stretch.speed_mm_s is not None:
             # With a place beyond either end.
             within: Mask = (c - start + c[1]) % (2.0 * pi) <= length + 2.0 * c[1]
-            limit = way_mm * speed_rad_s / one.speed_mm_s * (1.0 + MARGIN)
+            limit = way_mm * speed_rad_s / stretch.speed_mm_s * (1.0 + MARGIN)
             least = np.maximum(least, np.where(within, limit, 0.0))
     # Arms take turns: what one needs at a place, all need there.
     least = least.reshape(arms, -1).max(axis=0)

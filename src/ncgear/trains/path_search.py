@@ -157,7 +157,7 @@ def found_motion(path: WishedPath, limits: PathLimits, axis: complex | None) -> 
             for beyond in BEYOND:
                 values = np.array([np.log(beyond), np.log(beyond), place.real, place.imag])
                 starts.append((tried(values, clockwise)[0], len(starts), values, clockwise))
-    starts.sort(key=lambda one: one[:2])
+    starts.sort(key=lambda start: start[:2])
     best, found = np.inf, tried(*starts[0][2:])[1]
     for _, _, values, clockwise in starts[:SEARCHES]:
         free = 2 if axis is not None else 4

@@ -312,7 +312,7 @@ def planetary_train(
             made = named[gear.name], gear.outline_mm, width, gear.teeth, step * gear.layer
             parts.append(Part(*made, bodies.bore_mm, None, body, (), wall_mm))
             ways.append(way_of(gear.place, gear.angle, number))
-        meshes += [GearMesh(named[one], named[other], chain.kind) for one, other in chain.meshes]
+        meshes += [GearMesh(named[gear], named[other], chain.kind) for gear, other in chain.meshes]
         if arm is not None:
             outline = _bar_mm([0j, complex(arm.length_mm)], bodies.bar_width_mm, tolerance_mm)
             name, low = f"arm{end}", step * layers

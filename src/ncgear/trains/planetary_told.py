@@ -59,7 +59,7 @@ def told_of(
         "max_pressure_angle_deg": pressure,
         "convex": not dented,
     }
-    module = " and ".join(f"{one:.4g}" for one in dict.fromkeys(round(p.size.module_mm, 6) for p in pitches))
+    module = " and ".join(f"{module:.4g}" for module in dict.fromkeys(round(p.size.module_mm, 6) for p in pitches))
     distance = " and ".join(f"{pitch.center_distance_mm:.6g}" for pitch in pitches)
     ratios = ", ".join(
         f"{low:.4g} to {high:.4g}" for low, high in zip(figures["ratio_min"], figures["ratio_max"], strict=True)
@@ -79,7 +79,7 @@ def told_of(
     if train.traces:
         path_rows, path_figures, condition = _of_path(train, wished, forward_mm_s)
         if wished is not None and motion is not None and wished.tool_rad:
-            mount, missed = (degrees(one) for one in tool_mount(motion, wished))
+            mount, missed = (degrees(angle) for angle in tool_mount(motion, wished))
             path_rows.append(("tool", f"{mount:.4g} deg from the arm, its angles missed by {missed:.3g} deg at most"))
             path_figures |= {"tool_mount_deg": mount, "tool_missed_max_deg": missed}
         rows += path_rows

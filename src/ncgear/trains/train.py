@@ -173,7 +173,7 @@ class Train:
 
     def body(self, part: Part) -> str:
         """The body to which a part belongs: the name of the part, or GROUND, to which others are fixed."""
-        names = {one.name for one in self.parts}
+        names = {part.name for part in self.parts}
         while part.fixed_to in names:
             part = self.part(part.fixed_to)
         return part.fixed_to or part.name
@@ -182,13 +182,13 @@ class Train:
     def tints(self) -> dict[str, int]:
         """A small number of each part, by its name, that differs from those of all parts with which it meshes."""
         tints: dict[str, int] = {}
-        for one in self.parts:
+        for part in self.parts:
             taken = {
-                tints.get(m.second if m.first == one.name else m.first, -1)
+                tints.get(m.second if m.first == part.name else m.first, -1)
                 for m in self.meshes
-                if one.name in (m.first, m.second)
+                if part.name in (m.first, m.second)
             }
-            tints[one.name] = next(number for number in range(len(taken) + 1) if number not in taken)
+            tints[part.name] = next(number for number in range(len(taken) + 1) if number not in taken)
         return tints
 
     def room_mm(self) -> tuple[Array, Array]:

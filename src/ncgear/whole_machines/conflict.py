@@ -40,7 +40,7 @@ def easings(choices: Choices, material: str) -> list[Easing]:
     strongest = STRONGER[-1]
     if material != strongest:
         found.append(Easing("gears.material", (("choices.materials", None), ("gears.material", strongest))))
-    together = tuple(value for one in found for value in one.values)
+    together = tuple(value for easing in found for value in easing.values)
     return [*found, *([Easing("all", together)] if len(found) > 1 else [])]
 
 
@@ -88,14 +88,14 @@ def refusal_of_gears(
     """
     asked = easings(choices, material)
     found = dict(finished(partial(_tried, text, jobs), asked, scheduler, processes))
-    alone = [(one, made) for one, made in found.items() if made is not None and one.key != "all"]
-    why = "; ".join(dict.fromkeys(why for one in unfit for why in one.why))
+    alone = [(demand, made) for demand, made in found.items() if made is not None and demand.key != "all"]
+    why = "; ".join(dict.fromkeys(why for gears in unfit for why in gears.why))
     said = f"laws keep all limits, and no gears of them make a machine: {why}"
     if alone:
-        offers = ", ".join(_needs(one, made) for one, made in alone)
+        offers = ", ".join(_needs(demand, made) for demand, made in alone)
         return NoSuchMechanism(f"{said}; a machine was made with each of these: {offers}", key=alone[0][0].key)
-    together = next((made for one, made in found.items() if made is not None), None)
+    together = next((made for demand, made in found.items() if made is not None), None)
     if together is not None:
-        offers = ", ".join(_needs(one, together) for one in asked if one.key != "all")
+        offers = ", ".join(_needs(demand, together) for demand in asked if demand.key != "all")
         return NoSuchMechanism(f"{said}; a machine was made with all of these together: {offers}", key=asked[0].key)
     return NoSuchMechanism(f"{said}; none of the choices helped by giving way", key="choices")

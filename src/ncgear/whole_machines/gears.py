@@ -180,7 +180,7 @@ class _Making:
         Gears no finer than those that made no machine with the law of their own inertia are not.  Raises _Weakened
         where teeth do not hold with these remedies.
         """
-        if not all(is_finer(one, sized.teeth, sized.module_mm) for one in self.coarse):
+        if not all(is_finer(size, sized.teeth, sized.module_mm) for size in self.coarse):
             return Accepted.WITH_MORE_TEETH
         drive, taken = sized.drive, Changes()
         try:
@@ -197,7 +197,7 @@ class _Making:
                     if taken and rows[0].kind in WEAK:
                         raise _Weakened(drive, taken)
                     remedies = [remedy for advice in rows[0].advices for remedy in advice.remedies]
-                    changes = next((made for one in remedies if (made := _taken(one.changes))), {})
+                    changes = next((made for remedy in remedies if (made := _taken(remedy.changes))), {})
                 if not changes:
                     return Accepted.WITH_MORE_TEETH if ask_for_more_teeth(rows) else Accepted.NO
                 drive = changed_drive(drive, changes)
@@ -210,7 +210,7 @@ class _Making:
         """The machine with a law found with its own gears, widened until its teeth hold with this law."""
         law, values = self.job.law, self.values(sized)
         power_w = law.found.peak_power_w
-        motors = (one.power_w for one in self.choices.motors or () if one.power_w >= power_w)
+        motors = (motor.power_w for motor in self.choices.motors or () if motor.power_w >= power_w)
         cap_w = min((ROOM_OF_CAP * power_w, *motors))
         made: WholeMachine | Unfit = Unfit(self.why)
         for _ in range(ROUNDS):
@@ -256,7 +256,7 @@ class _Making:
 
 def _taken(changes: tuple[Any, ...]) -> Changes:
     """The changes of a remedy, if all are of the gears or of what passes them and none is a size; else none."""
-    keys = [one.key for one in changes]
+    keys = [change.key for change in changes]
     if not keys or any(not key.startswith(("gears.", "fit.")) or key in SIZE_KEYS for key in keys):
         return {}
-    return {one.key: one.value for one in changes}
+    return {change.key: change.value for change in changes}

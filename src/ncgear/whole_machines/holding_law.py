@@ -84,13 +84,13 @@ def holding(best: BestLaw, on_law: Callable[[int], None] = lambda laws: None) ->
     for laws in range(1, MOST_LAWS + 1):
         on_law(laws)
         shares, loads = _shares(best), _loads(best.figures)
-        nearest = max(nearest, shares, key=lambda one: min(one.values(), default=0.0))
+        nearest = max(nearest, shares, key=lambda tried: min(tried.values(), default=0.0))
         if all(share >= 1.0 for share in shares.values()):
             held = best if held is None or best.goal < held.goal else held
-        if held is best and min((shares[one] for one in caps), default=1.0) <= NEAR:
+        if held is best and min((shares[damage] for damage in caps), default=1.0) <= NEAR:
             break
-        weak = [one for one, share in shares.items() if share < 1.0 or one in caps]
-        caps |= {one: loads[one] * (shares[one] / AIMED) ** CAPPED[one][1] for one in weak}
+        weak = [damage for damage, share in shares.items() if share < 1.0 or damage in caps]
+        caps |= {damage: loads[damage] * (shares[damage] / AIMED) ** CAPPED[damage][1] for damage in weak}
         try:
             best = _found(asked, caps)
         except NoSuchMechanism:
@@ -98,10 +98,12 @@ def holding(best: BestLaw, on_law: Callable[[int], None] = lambda laws: None) ->
                 break
             eased = True
             try:
-                least = _of_least_load(asked, min(shares, key=lambda one: shares[one]))
+                least = _of_least_load(asked, min(shares, key=lambda damage: shares[damage]))
                 other = least.wishes.goal.value if min(_shares(least).values()) >= 1.0 else ""
                 caps |= {
-                    one: max(caps[one], EASED * load) for one, load in _loads(least.figures).items() if one in caps
+                    damage: max(caps[damage], EASED * load)
+                    for damage, load in _loads(least.figures).items()
+                    if damage in caps
                 }
                 best = _found(asked, caps, least)
             except DesignError:
@@ -132,14 +134,16 @@ def _capped(design: Design, caps: Caps) -> Design:
     """The design with caps of loads; limits of the same loads that are lower stay."""
     asked = design.optimize
     assert asked is not None
-    lower = {CAPPED[one][0]: min(cap, getattr(asked.limits, CAPPED[one][0]) or inf) for one, cap in caps.items()}
+    lower = {
+        CAPPED[damage][0]: min(cap, getattr(asked.limits, CAPPED[damage][0]) or inf) for damage, cap in caps.items()
+    }
     limits = asked.limits.model_copy(update=lower)
     return design.model_copy(update={"optimize": asked.model_copy(update={"limits": limits})})
 
 
 def _loads(figures: Figures) -> dict[Damage, float]:
     """The loads of a law that are capped; known, since gears of a given size are asked for (``law_task``)."""
-    return {one: getattr(figures, name) for one, (name, _) in CAPPED.items()}
+    return {damage: getattr(figures, name) for damage, (name, _) in CAPPED.items()}
 
 
 def _shares(best: BestLaw) -> dict[Damage, float]:
@@ -151,14 +155,14 @@ def _shares(best: BestLaw) -> dict[Damage, float]:
     if why := unfollowed_motion(rating):
         raise WrongInput(f"true, but the strength of the teeth is not judged: {why}", key=KEY)
     shares = dict[Damage, float]()
-    for one in rating.weakest:
-        shares[one.damage] = min(one.share, shares.get(one.damage, inf))
+    for weakest in rating.weakest:
+        shares[weakest.damage] = min(weakest.share, shares.get(weakest.damage, inf))
     return shares
 
 
 def _refusal(shares: Caps, laws: int, other: str) -> NoSuchMechanism:
     """The refusal after the last rating: the shares of the nearest law, and another goal whose law's teeth hold."""
-    damage, share = min(shares.items(), key=lambda one: one[1])
+    damage, share = min(shares.items(), key=lambda damage_share: damage_share[1])
     rated = "of the only law" if laws == 1 else f"of {laws} laws the nearest"
     goal = f"the law of optimize.goal {other} has teeth that hold; " if other else ""
     return NoSuchMechanism(

@@ -166,10 +166,10 @@ class _Search:
             for cap in way:
                 near = self.capped(cap, [near.motion]) or near
                 under[cap] += [near] if near.found.peak_power_w <= cap * (1.0 + 1e-6) else []
-        best = [min(laws, key=lambda one: one.flank_load_n_mm) for laws in under.values() if laws]
+        best = [min(laws, key=lambda law: law.flank_load_n_mm) for laws in under.values() if laws]
         # Keep each law that has less flank load than every law of less power
         found: list[FoundLaw] = []
-        for law in sorted((least, *best, most), key=lambda one: (one.found.peak_power_w, one.flank_load_n_mm)):
+        for law in sorted((least, *best, most), key=lambda law: (law.found.peak_power_w, law.flank_load_n_mm)):
             if not found or law.flank_load_n_mm < found[-1].flank_load_n_mm:
                 found.append(law)
         return found
@@ -177,10 +177,10 @@ class _Search:
     def caps_w(self, least_w: float, most_w: float) -> list[float]:
         """The caps of the power: the powers of available motors, or powers in even ratios."""
         if self.job.powers_w:
-            return [one for one in sorted(self.job.powers_w) if ABOVE * least_w < one < most_w]
+            return [power for power in sorted(self.job.powers_w) if ABOVE * least_w < power < most_w]
         if not most_w > SAME_POWER * least_w:
             return []
-        return [float(one) for one in np.geomspace(ABOVE * least_w, most_w, CAPS + 1)[:-1]]
+        return [float(power) for power in np.geomspace(ABOVE * least_w, most_w, CAPS + 1)[:-1]]
 
     def least_power(self, start: Motion) -> FoundLaw | None:
         """The law of least power."""
@@ -189,7 +189,7 @@ class _Search:
     def capped(self, cap_w: float | None, starts: list[Motion]) -> FoundLaw | None:
         """The law of least flank load under a cap of the power, the best of the searches from several motions."""
         given = self.wishes.limits.peak_power_w
-        cap = min((one for one in (cap_w, given) if one is not None), default=None)
+        cap = min((cap for cap in (cap_w, given) if cap is not None), default=None)
         return self._found(replace(self.wishes, limits=replace(self.wishes.limits, peak_power_w=cap)), starts)
 
     def _found(self, wishes: Wishes, starts: list[Motion]) -> FoundLaw | None:
@@ -198,7 +198,7 @@ class _Search:
         laws = [law for start in starts if (law := kept_law(self.task, wishes, start)) is not None]
         if not laws:
             return None
-        law = min(laws, key=lambda one: one.goal)
+        law = min(laws, key=lambda law: law.goal)
         told = figures(self.task, law.train(self.task.lobes))
         return FoundLaw(tuple(law.ratio.tolist()), self.job.flywheel_kg_mm2, told, self.job.teeth)
 

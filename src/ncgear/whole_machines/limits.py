@@ -136,25 +136,25 @@ class MachineLimits:
         self.task, asked = without_flywheel(design)
         self.sweeps = Sweeps(self.task, asked)
         given = inertia_as_given(law_design(design, 0.0)).driven_kg_mm2
-        self.made = [parsed(one.text, Path("machine.yaml")).design for one in machines]
-        own = (inertia_as_given(one).driven_kg_mm2 - given if self.task.masses else 0.0 for one in self.made)
+        self.made = [parsed(machine.text, Path("machine.yaml")).design for machine in machines]
+        own = (inertia_as_given(machine).driven_kg_mm2 - given if self.task.masses else 0.0 for machine in self.made)
         self.own = list(own)
 
     def found(self) -> ProvenLimits:
         """All limits."""
         each = self.of_machines()
         power = self.power_w()
-        least = min(one.figures.peak_power_w for one in self.machines)
-        best = [one.cost for one in self.machines if one.cost is not None]
+        least = min(machine.figures.peak_power_w for machine in self.machines)
+        best = [machine.cost for machine in self.machines if machine.cost is not None]
         cost = self.cost(power) if best else None
         gap = least / power - 1.0 if power > 0.0 else inf
         return ProvenLimits(power, gap, tuple(each), cost, min(best) / cost - 1.0 if best and cost else None)
 
     def of_machines(self) -> list[MachineLimit]:
         """For each machine a lower bound of the flank load of all laws with its power and flywheel."""
-        flywheel = np.array([one.figures.driven_flywheel_kg_mm2 for one in self.machines]) + np.array(self.own)
-        power = np.array([one.figures.peak_power_w for one in self.machines]) * (1.0 + KEPT)
-        load = np.array([one.figures.flank_load_n_mm for one in self.machines]) * (1.0 + KEPT)
+        flywheel = np.array([machine.figures.driven_flywheel_kg_mm2 for machine in self.machines]) + np.array(self.own)
+        power = np.array([machine.figures.peak_power_w for machine in self.machines]) * (1.0 + KEPT)
+        load = np.array([machine.figures.flank_load_n_mm for machine in self.machines]) * (1.0 + KEPT)
         bounds = least_flank_load(self.sweeps, power, np.stack([flywheel, flywheel]), load)
         # With a large flywheel the bound from the work of a cycle may be higher
         of_work = bound_of_stroke("flank_load_n_mm", 1.0, self.task, self.sweeps.asked)
@@ -162,11 +162,19 @@ class MachineLimits:
         far = np.nonzero(load > NEAR * bounds)[0].tolist()
         most = min(PROGRAMMES, FOR_ALL // max(len(far), 1))
         jobs = [
-            RaiseJob(one, "flank_load_n_mm", load[one], power[one], (flywheel[one],) * 2, self.motion(one), most)
-            for one in far
+            RaiseJob(
+                number,
+                "flank_load_n_mm",
+                load[number],
+                power[number],
+                (flywheel[number],) * 2,
+                self.motion(number),
+                most,
+            )
+            for number in far
         ]
         bounds = self.raised(bounds, jobs)
-        return [machine_limit(one, float(bound)) for one, bound in zip(self.machines, bounds, strict=True)]
+        return [machine_limit(machine, float(bound)) for machine, bound in zip(self.machines, bounds, strict=True)]
 
     def motion(self, number: int) -> Motion:
         """The motion of the crank of a machine."""
@@ -194,14 +202,14 @@ class MachineLimits:
     def power_w(self) -> float:
         """A lower bound of the peak power of all laws, with any flywheel in the range."""
         parts = self._flywheel_parts()
-        most = np.full(parts.shape[1], min(one.figures.peak_power_w for one in self.machines) * (1.0 + KEPT))
+        most = np.full(parts.shape[1], min(machine.figures.peak_power_w for machine in self.machines) * (1.0 + KEPT))
         bounds = swept_power(self.sweeps, parts, most)
         if self.design.masses is None:
             # Without masses the conic programmes give a higher bound, and no flywheel or gear changes anything
             return max(float(bounds.min()), least_power(replace(self.task, masses=None), self.sweeps.asked).value)
         bounds = np.maximum(bounds, max(least_mean_power_w(self.task), 0.0))
         low = [number for number in range(bounds.size) if most[number] > NEAR * bounds[number]]
-        motion = self.motion(int(np.argmin([one.figures.peak_power_w for one in self.machines])))
+        motion = self.motion(int(np.argmin([machine.figures.peak_power_w for machine in self.machines])))
         jobs = [
             RaiseJob(number, "power_w", most[number], inf, tuple(parts[:, number]), motion, PROGRAMMES // len(low))
             for number in low
@@ -216,8 +224,8 @@ class MachineLimits:
         """
         choices = self.design.choices or Choices()
         parts = self._flywheel_parts()
-        load = max(one.flank_load_n_mm for one in self.laws)
-        highest = max(one.found.peak_power_w for one in self.laws)
+        load = max(law.flank_load_n_mm for law in self.laws)
+        highest = max(law.found.peak_power_w for law in self.laws)
         ends = np.geomspace(lowest_w, max(highest, lowest_w * 1.01), POWERS + 1)
         # A law of more power than all laws found costs at least its power
         caps = np.append(ends[1:], inf)
@@ -226,8 +234,8 @@ class MachineLimits:
         flywheel = np.tile(parts, caps.size)
         bounds = least_flank_load(self.sweeps, power, flywheel, np.full(power.size, load), share=0.05)
         constant = min(
-            one.figures.gear_volume_mm3 / (one.figures.contact_share**2 * one.figures.flank_load_n_mm)
-            for one in self.machines
+            machine.figures.gear_volume_mm3 / (machine.figures.contact_share**2 * machine.figures.flank_load_n_mm)
+            for machine in self.machines
         )
         return min(
             self._cost(choices, float(low), float(max(wheel, 0.0)), constant * float(bound))
@@ -236,16 +244,18 @@ class MachineLimits:
 
     def _cost(self, choices: Choices, power_w: float, flywheel_kg_mm2: float, volume_mm3: float) -> float:
         law = self.laws[0].found
-        factor = min((one.cost_factor for one in choices.materials or ()), default=1.0)
+        factor = min((material.cost_factor for material in choices.materials or ()), default=1.0)
         speed = self.task.speed_rad_s
         guess = guessed_figures(law, flywheel_kg_mm2, volume_mm3 * factor, speed)
         guess = replace(guess, peak_power_w=power_w, peak_torque_n_m=power_w / speed)
-        return min(cost_of(choices, guess, motor_for(choices, guess), "", one) or 0.0 for one in choices.processes)
+        return min(
+            cost_of(choices, guess, motor_for(choices, guess), "", process) or 0.0 for process in choices.processes
+        )
 
 
-def machine_limit(one: WholeMachine, bound_n_mm: float) -> MachineLimit:
+def machine_limit(machine: WholeMachine, bound_n_mm: float) -> MachineLimit:
     """The limit of a machine's gears that follows from a lower bound of the flank load of all laws."""
-    has = one.figures
+    has = machine.figures
     if not bound_n_mm > 0.0:
         return MachineLimit(0.0, inf, 0.0, inf)
     # For materials without figures for pitting, no gears' volume follows from the flank load
@@ -323,19 +333,22 @@ def needed_without(text: str, key: str) -> NeededPower:
     power = kept_law(task, replace(wishes, goal=Goal.POWER), start)
     starts = [start, *([power.motion] if power else [])]
     capped = replace(wishes, limits=replace(wishes.limits, peak_power_w=min(cap, wishes.limits.peak_power_w or cap)))
-    flanks = [law for one in starts if (law := kept_law(task, capped, one)) is not None]
-    load = min((figures(task, one.train(task.lobes)).flank_load_n_mm or inf for one in flanks), default=inf)
+    flanks = [law for start in starts if (law := kept_law(task, capped, start)) is not None]
+    load = min((figures(task, law.train(task.lobes)).flank_load_n_mm or inf for law in flanks), default=inf)
     watts = figures(task, power.train(task.lobes)).peak_power_w if power else inf
     return NeededPower(watts, load)
 
 
 def wish_prices(
-    one: WholeMachine, on_law: Callable[[int, int], None], scheduler: str | None = None, processes: int | None = None
+    machine: WholeMachine,
+    on_law: Callable[[int, int], None],
+    scheduler: str | None = None,
+    processes: int | None = None,
 ) -> tuple[WishPrice, ...]:
     """The price of each wish and limit of a machine, the highest first; ``on_law`` takes numbers done and in all."""
-    keys = ["", *wish_keys(one.text)]
+    keys = ["", *wish_keys(machine.text)]
     found: dict[str, NeededPower] = {}
-    for key, needed in finished(partial(needed_without, one.text), keys, scheduler, processes):
+    for key, needed in finished(partial(needed_without, machine.text), keys, scheduler, processes):
         found[key] = needed
         on_law(len(found), len(keys))
     base = found.pop("")

@@ -124,7 +124,8 @@ def machine_and_law_figures(drive: Drive) -> tuple[MachineFigures, Figures]:
     rating = rating_of(drive, "estimate")
     sized = Sized({}, drive, rating)
     shares = {
-        damage: min((one.share for one in rating.weakest if one.damage is damage), default=inf) for damage in Damage
+        damage: min((weakest.share for weakest in rating.weakest if weakest.damage is damage), default=inf)
+        for damage in Damage
     }
     power = drive.check.peak_power_w.value
     return MachineFigures(
@@ -183,13 +184,13 @@ def broken(verdict: Verdict, process: Process) -> list[JudgedCondition]:
 def ask_for_more_teeth(rows: Sequence[JudgedCondition]) -> bool:
     """Whether the first of the broken conditions has more teeth among its remedies."""
     return any(
-        one.search is RemedySearch.FINER for row in rows[:1] for advice in row.advices for one in advice.remedies
+        remedy.search is RemedySearch.FINER for row in rows[:1] for advice in row.advices for remedy in advice.remedies
     )
 
 
 def cut_words(drive: Drive, process: Process) -> tuple[bool, str]:
     """Whether a process makes both gears, and how, or why not, in words."""
-    plastic = [isinstance(one.entry, Plastic) for one in choices_of(drive.gears)]
+    plastic = [isinstance(choice.entry, Plastic) for choice in choices_of(drive.gears)]
     if process == "printed" or process == "wire_cut":
         # Plastics do not conduct, and printers of this kind print plastics
         if any(plastic) != (process == "printed"):
@@ -208,11 +209,12 @@ def cut_words(drive: Drive, process: Process) -> tuple[bool, str]:
 def motor_for(choices: Choices, found: MachineFigures) -> AvailableMotor | None:
     """The cheapest available motor that is strong enough; None where there is none, or where any power is available."""
     does = [
-        one
-        for one in choices.motors or ()
-        if one.power_w >= found.peak_power_w and (one.torque_n_m is None or one.torque_n_m >= found.peak_torque_n_m)
+        motor
+        for motor in choices.motors or ()
+        if motor.power_w >= found.peak_power_w
+        and (motor.torque_n_m is None or motor.torque_n_m >= found.peak_torque_n_m)
     ]
-    return min(does, key=lambda one: (one.cost, one.power_w), default=None)
+    return min(does, key=lambda motor: (motor.cost, motor.power_w), default=None)
 
 
 def cost_of(
@@ -222,7 +224,7 @@ def cost_of(
     if choices.cost is None and not choices.motors:
         return None
     costs = choices.cost or Costs.model_construct()
-    factors = {one.material.name: one.cost_factor for one in choices.materials or ()}
+    factors = {material.material.name: material.cost_factor for material in choices.materials or ()}
     return (
         costs.motor_per_w * found.peak_power_w
         + costs.motor_per_n_m * found.peak_torque_n_m

@@ -49,14 +49,14 @@ def objectives_of(design: Design) -> tuple[str, ...]:
 
 def undominated(items: Sequence[Item], values: Callable[[Item], Sequence[float]]) -> list[Item]:
     """The items that no other item matches in every figure and beats in one, by SAME of the figure."""
-    table = np.array([values(one) for one in items], dtype=float).reshape(len(items), -1)
+    table = np.array([values(item) for item in items], dtype=float).reshape(len(items), -1)
     kept: list[int] = []
     for row in range(len(items)):
         others = np.delete(table, row, axis=0)
         room = SAME * np.abs(table[row])
         as_good = np.all(others <= table[row] + room, axis=1)
         better = np.any(others < table[row] - room, axis=1)
-        twin = any(np.all(np.abs(table[one] - table[row]) <= room) for one in kept)
+        twin = any(np.all(np.abs(table[chosen] - table[row]) <= room) for chosen in kept)
         if not np.any(as_good & better) and not twin:
             kept.append(row)
     return [items[row] for row in kept]
@@ -66,7 +66,7 @@ def far_apart(items: Sequence[Item], values: Callable[[Item], Sequence[float]], 
     """At most ``count`` items: the best in each figure, the item nearest to all, then the farthest from them."""
     if len(items) <= count:
         return list(items)
-    table = np.array([values(one) for one in items], dtype=float)
+    table = np.array([values(item) for item in items], dtype=float)
     span = np.ptp(table, axis=0)
     table = (table - table.min(axis=0)) / np.where(span > 0.0, span, 1.0)
     taken = [int(np.argmin(np.linalg.norm(table, axis=1))), *np.argmin(table, axis=0).tolist()]
@@ -88,7 +88,7 @@ def recommended(
     costs = [one for item in items if (one := cost(item)) is not None]
     if len(costs) == len(items):
         return int(np.argmin(costs))
-    table = np.array([values(one) for one in items], dtype=float)
+    table = np.array([values(item) for item in items], dtype=float)
     positive = table[:, np.all(table > 0.0, axis=0)]
     return int(np.argmin(np.log(positive).sum(axis=1)))
 
@@ -198,7 +198,10 @@ class MachineSearch:
         constants = self._reference()
         # The machine of the reference has been made already
         picked = far_apart(self._candidates(constants), self._guessed, self.choices.machines + MORE)
-        jobs = [GearJob(one.law, one.material, self.processes_of(one.material), one.near) for one in picked]
+        jobs = [
+            GearJob(candidate.law, candidate.material, self.processes_of(candidate.material), candidate.near)
+            for candidate in picked
+        ]
         _ = list(self._numbered("machines", jobs))
         if not self.made:
             raise self._refused_gears()
@@ -217,19 +220,19 @@ class MachineSearch:
         """The machines found so far; there must be at least one."""
         best = undominated(self.made, self._values)
         best = far_apart(best, self._values, self.choices.machines)
-        best = sorted(best, key=lambda one: (one.value(self.objectives[0]), *self._values(one)))
-        best = [one.named(f"{self.design.name[:50]}-{number}") for number, one in enumerate(best, start=1)]
-        place = recommended(best, self._values, lambda one: one.cost)
+        best = sorted(best, key=lambda machine: (machine.value(self.objectives[0]), *self._values(machine)))
+        best = [machine.named(f"{self.design.name[:50]}-{number}") for number, machine in enumerate(best, start=1)]
+        place = recommended(best, self._values, lambda machine: machine.cost)
         found = WholeMachines(self.design, self.objectives, tuple(best), place, tuple(self.laws), tuple(self.unfit))
         return replace(found, lengths=self.lengths)
 
-    def _values(self, one: WholeMachine) -> list[float]:
-        return [one.value(name) for name in self.objectives]
+    def _values(self, machine: WholeMachine) -> list[float]:
+        return [machine.value(name) for name in self.objectives]
 
     # Laws
 
     def _find_laws(self, teeth: int | None) -> None:
-        powers = tuple(sorted({one.power_w for one in self.choices.motors or ()}))
+        powers = tuple(sorted({motor.power_w for motor in self.choices.motors or ()}))
         jobs = [LawJob(size, teeth, powers) for size in flywheel_sizes(self.design)]
         for _, laws in self._done("laws", partial(laws_of, self.design), jobs):
             self.laws += laws
@@ -248,7 +251,7 @@ class MachineSearch:
         """For each kind of law and material the ratio of gears' volume to flank load, from the gears of one law."""
         materials, jobs = self.materials, dict[Kind, GearJob]()
         for brakes in (False, True):
-            laws = sorted((one for one in self.laws if _brakes(one) is brakes), key=lambda one: one.flank_load_n_mm)
+            laws = sorted((law for law in self.laws if _brakes(law) is brakes), key=lambda law: law.flank_load_n_mm)
             for place, (material, _) in enumerate(materials if laws else ()):
                 middle, processes = laws[len(laws) // 2], self.processes_of(material)
                 jobs[brakes, place] = GearJob(middle, material, processes)
@@ -283,7 +286,7 @@ class MachineSearch:
         """The materials that may be chosen, with their cost factors; None stands for the file's material."""
         if self.choices.materials is None:
             return [(None, 1.0)]
-        return [(one.material, one.cost_factor) for one in self.choices.materials]
+        return [(material.material, material.cost_factor) for material in self.choices.materials]
 
     def processes_of(self, material: GearMaterial | None) -> tuple[Process, ...]:
         """The ways of making teeth in a material, the cheapest first."""
@@ -291,15 +294,15 @@ class MachineSearch:
         assert gears is not None
         own = gears.material.each[0] if material is None and gears.material is not None else material
         plastic = own is not None and isinstance(TABLE[own.name], Plastic)
-        able = [one for one in self.choices.processes if one != ("wire_cut" if plastic else "printed")]
+        able = [process for process in self.choices.processes if process != ("wire_cut" if plastic else "printed")]
         if self.choices.cost is not None:
             making = self.choices.cost.making
-            able.sort(key=lambda one: float(getattr(making, one)))
+            able.sort(key=lambda process: float(getattr(making, process)))
         return tuple(able)
 
     def _refused_gears(self) -> NoSuchMechanism:
         """Why no gears made a machine; tried with the laws of least power, of least flank load and between."""
-        laws = sorted(self.laws, key=lambda one: one.found.peak_power_w)
+        laws = sorted(self.laws, key=lambda law: law.found.peak_power_w)
         some = dict.fromkeys((laws[0], laws[-1], laws[len(laws) // 2]))
         material, _ = self.materials[0]
         jobs = [GearJob(law, material, self.processes_of(material)) for law in some]
@@ -319,23 +322,25 @@ class MachineSearch:
         ]
         return undominated(every, self._guessed)
 
-    def _guessed(self, one: Candidate) -> list[float]:
-        law = one.law.found
+    def _guessed(self, candidate: Candidate) -> list[float]:
+        law = candidate.law.found
         known = {
             "peak_power_w": law.peak_power_w,
-            "gear_volume_mm3": one.volume_mm3,
-            "driven_flywheel_kg_mm2": one.law.flywheel_kg_mm2,
-            "center_distance_mm": one.volume_mm3 ** (1.0 / 3.0),
-            "cost": self._guessed_cost(one),
+            "gear_volume_mm3": candidate.volume_mm3,
+            "driven_flywheel_kg_mm2": candidate.law.flywheel_kg_mm2,
+            "center_distance_mm": candidate.volume_mm3 ** (1.0 / 3.0),
+            "cost": self._guessed_cost(candidate),
         }
         own = [known[name] for name in self.objectives]
-        has_cost = self.choices.cost is not None or any(one.cost for one in self.choices.motors or ())
+        has_cost = self.choices.cost is not None or any(motor.cost for motor in self.choices.motors or ())
         return own if "cost" in self.objectives or not has_cost else [*own, known["cost"]]
 
-    def _guessed_cost(self, one: Candidate) -> float:
-        law = one.law
-        guess = guessed_figures(law.found, law.flywheel_kg_mm2, one.volume_mm3 * one.factor, self.speed_rad_s)
-        process = next(iter(self.processes_of(one.material)), self.choices.processes[0])
+    def _guessed_cost(self, candidate: Candidate) -> float:
+        law = candidate.law
+        guess = guessed_figures(
+            law.found, law.flywheel_kg_mm2, candidate.volume_mm3 * candidate.factor, self.speed_rad_s
+        )
+        process = next(iter(self.processes_of(candidate.material)), self.choices.processes[0])
         return cost_of(self.choices, guess, motor_for(self.choices, guess), "", process) or 0.0
 
     @property

@@ -30,11 +30,11 @@ ALIKE = 0.005
 HEADS = ("motor, W", "gears, dm3", "flywheel, kg m2", "teeth", "width, mm", "centres, mm")
 
 
-def difference_words(one: WholeMachine, other: WholeMachine, objectives: Sequence[str]) -> str:
+def difference_words(machine: WholeMachine, other: WholeMachine, objectives: Sequence[str]) -> str:
     """The gains and the costs of a machine beside another one, in words."""
     gains, losses = list[str](), list[str]()
     for name in objectives:
-        own, beside = one.value(name), other.value(name)
+        own, beside = machine.value(name), other.value(name)
         less, more = WORDS[name]
         if abs(own - beside) <= ALIKE * beside:
             continue
@@ -58,9 +58,11 @@ def _listed(words: Sequence[str]) -> str:
 def machines_answer(found: WholeMachines, then: str = "") -> Answer:
     """The machines side by side; the text tells the recommended machine first."""
     best = found.machines[found.recommended]
-    rows = [Row(f"{one.name} *" if one is best else one.name, _cells(one)) for one in found.machines]
-    others = (one for one in found.machines if one is not best)
-    rows += [Row(one.name, (difference_words(one, best, _told(found)),)) for one in others]
+    rows = [
+        Row(f"{machine.name} *" if machine is best else machine.name, _cells(machine)) for machine in found.machines
+    ]
+    others = (machine for machine in found.machines if machine is not best)
+    rows += [Row(machine.name, (difference_words(machine, best, _told(found)),)) for machine in others]
     rows.append(Row("made", (f"{best.material}, {best.process.replace('_', ' ')}: {best.cut}",)))
     rows += [Row("motor", (best.motor.name,))] if best.motor else []
     rows += [Row("cost", (to_digits(best.cost, 4),))] if best.cost is not None else []
@@ -119,12 +121,12 @@ def prices_words(found: WholeMachines) -> str:
 
 
 def _told(found: WholeMachines) -> tuple[str, ...]:
-    has_cost = all(one.cost is not None for one in found.machines) and "cost" not in found.objectives
+    has_cost = all(machine.cost is not None for machine in found.machines) and "cost" not in found.objectives
     return (*found.objectives, "cost") if has_cost else found.objectives
 
 
-def _cells(one: WholeMachine) -> tuple[str, ...]:
-    has = one.figures
+def _cells(machine: WholeMachine) -> tuple[str, ...]:
+    has = machine.figures
     return (
         to_digits(has.peak_power_w, 4),
         to_digits(has.gear_volume_mm3 / MM3_PER_DM3, 4),
@@ -146,21 +148,21 @@ def machines_figures(found: WholeMachines) -> dict[str, Any]:
         "lengths": dict(found.lengths),
         "machines": [
             {
-                "name": one.name,
-                **{key: value if key == "teeth" else known(value) for key, value in asdict(one.figures).items()},
-                "material": one.material,
-                "process": one.process,
-                "cut": one.cut,
-                "motor": one.motor.name if one.motor else None,
-                "cost": one.cost,
-                "beside_recommended": "" if one is best else difference_words(one, best, _told(found)),
+                "name": machine.name,
+                **{key: value if key == "teeth" else known(value) for key, value in asdict(machine.figures).items()},
+                "material": machine.material,
+                "process": machine.process,
+                "cut": machine.cut,
+                "motor": machine.motor.name if machine.motor else None,
+                "cost": machine.cost,
+                "beside_recommended": "" if machine is best else difference_words(machine, best, _told(found)),
             }
-            for one in found.machines
+            for machine in found.machines
         ],
         "limits": None if found.limits is None else _limits_figures(found),
         "wishes": [price._asdict() for price in found.prices],
         "laws": len(found.laws),
-        "unfit": sorted({why for one in found.unfit for why in one.why}),
+        "unfit": sorted({why for gears in found.unfit for why in gears.why}),
         "made_by": {"ncgear": __version__, "python": platform.python_version()},
     }
 
@@ -174,8 +176,8 @@ def _limits_figures(found: WholeMachines) -> dict[str, Any]:
         "cost": limits.cost,
         "cost_gap": limits.cost_gap,
         "machines": [
-            {"name": one.name, **{key: known(value) for key, value in asdict(own).items()}}
-            for one, own in zip(found.machines, limits.each, strict=True)
+            {"name": machine.name, **{key: known(value) for key, value in asdict(own).items()}}
+            for machine, own in zip(found.machines, limits.each, strict=True)
         ],
         "outside_the_proof": list(OUTSIDE),
     }

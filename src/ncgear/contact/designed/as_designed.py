@@ -224,7 +224,7 @@ def first_within(
     met = replace(met, there=met.there & (met.position < count))
     met = met.kept(np.isin(met.side, sides) & met.there.any(axis=1))
     found = _candidates(teeth, _paths_of(teeth), placement, met, within_mm)
-    flanks, hits = found.flanks.contacts, [one.kept(np.isin(one.side, sides)) for one in found.hits]
+    flanks, hits = found.flanks.contacts, [hits.kept(np.isin(hits.side, sides)) for hits in found.hits]
     contacts = Contacts.joined([flanks, first_edge_contacts(hits, flanks, found.first_rad, within_mm)])
     return [contacts.on(side) for side in sides]
 

@@ -84,10 +84,10 @@ def contact_extremes(
     # No angle is below that, so these quantities need no search.
     missed[list(level)] = np.inf
     found = largest_from(quantities, places, values, missed)
-    found = [Extremum(0.0, level[row]) if row in level else one for row, one in enumerate(found)]
+    found = [Extremum(0.0, level[row]) if row in level else extremum for row, extremum in enumerate(found)]
     *ranges, sliding, lever, ahead = at_angles(pitch, even, found)
     pushing, back, backlash, *angles = ranges_of(ranges)
-    pushing_angle, back_angle = (_settled(one) for one in angles)
+    pushing_angle, back_angle = (_settled(side) for side in angles)
     overlap, deepest = replace(ahead, value=max(ahead.value, 0.0)), placed_at(pitch, even, np.array([found[-1].at]))
     found_at = pushing_angle, back_angle, sliding, replace(lever, value=-lever.value), overlap
     return ContactExtremes(pushing, back, backlash, *found_at, deepest.teeth_at(0))
@@ -125,8 +125,8 @@ def over_cycle(even: Placement, values: Array) -> tuple[Array, Array]:
 
 def at_angles(pitch: PitchPair, even: Placement, found: Sequence[Extremum]) -> list[Extremum]:
     """Extremes at rolled lengths of the cycle of ``even`` positions, as extremes at driving angles in rad."""
-    phi1 = placed_at(pitch, even, np.array([one.at for one in found])).phi1_rad
-    return [Extremum(one.value, float(at)) for one, at in zip(found, phi1, strict=True)]
+    phi1 = placed_at(pitch, even, np.array([extremum.at for extremum in found])).phi1_rad
+    return [Extremum(extremum.value, float(at)) for extremum, at in zip(found, phi1, strict=True)]
 
 
 def ranges_of(largest: Sequence[Extremum]) -> list[ValueRange]:

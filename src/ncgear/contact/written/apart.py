@@ -245,7 +245,7 @@ def _together(placement: Placement, steps: float) -> IndexArray:
     count = np.diff(np.append(begin, placement.count))
     parts = -(-count // MOST_TOGETHER)
     run, part = counted_up(np.zeros_like(parts), parts)
-    first, last = (begin[run] + count[run] * one // parts[run] for one in (part, part + 1))
+    first, last = (begin[run] + count[run] * end // parts[run] for end in (part, part + 1))
     within = np.arange(int((last - first).max()))
     return np.minimum(first[:, None] + within, last[:, None] - 1)
 

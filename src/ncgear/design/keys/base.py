@@ -199,7 +199,7 @@ def unkept(model: BaseModel, rule: str) -> Faults:
                     sides.reverse()
                     words.reverse()
                 (key, _), (other, _) = sides
-                told, right = (f"{one:.10g} {label_and_unit(name)[1]}".strip() for name, one in sides)
+                told, right = (f"{number:.10g} {label_and_unit(name)[1]}".strip() for name, number in sides)
                 left_out = "" if _is_written(model, other) else " where it is left out"
                 where = f" beside {key.partition('.')[0]}" if "." in key and "." not in other else ""
                 yield fault(

@@ -154,7 +154,7 @@ class Design(Model, Shown):
     @property
     def loads_teeth(self) -> bool:
         """Whether the file gives loads on the teeth: a resistance, masses or a jam."""
-        return any(one is not None for one in (self.resistance, self.masses, self.strength.overload))
+        return any(load is not None for load in (self.resistance, self.masses, self.strength.overload))
 
     def _crank_is_known(self) -> Faults:
         key = entry_of(self.linkage).stroke_key
@@ -324,7 +324,7 @@ class Design(Model, Shown):
             "gears.profile_shift": gears.profile_shift != type(gears.profile_shift)(),
             "gears.cutter": gears.cutter != type(gears.cutter)(),
             "gears.tolerances.tooth_thickness_upper_mm": gears.tolerances.tooth_thickness_upper_mm is not None,
-            "gears.driven": any(driven[name] != one for name, one in driving.items()),
+            "gears.driven": any(driven[name] != value for name, value in driving.items()),
             "gears.material": material is not None and material.each[0] != material.each[1],
         }
         for key in (key for key, is_given in asked.items() if is_given):
@@ -374,9 +374,9 @@ def require_known_kind(data: Mapping[str, Any]) -> None:
         raise WrongInput(f"{quoted(name)} given; {listed(MECHANISMS)} is needed", key="linkage.kind")
     if not isinstance(linkage, Mapping):
         return
-    keys = {one: {"kind", *entry.linkage.model_fields} for one, entry in MECHANISMS.items()}
+    keys = {name: {"kind", *entry.linkage.model_fields} for name, entry in MECHANISMS.items()}
     foreign = [key for key in linkage if key not in keys[name]]
-    others = [one for one, known in keys.items() if known.issuperset(linkage)]
+    others = [name for name, known in keys.items() if known.issuperset(linkage)]
     if foreign and others:
         problem = f"unknown key of kind {name}; kind: {listed(others)} has {listed(foreign, 'and')}"
         raise WrongInput(problem, key=f"linkage.{foreign[0]}")

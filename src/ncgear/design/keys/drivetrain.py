@@ -213,13 +213,13 @@ class NamedShaft(NamedTuple):
 def named_shafts(around: Drivetrain | None, pairs: int) -> list[NamedShaft]:
     """The shafts of pairs of gears, from the driving shaft on."""
     between = (around.shafts_between if around else None) or (None,) * (pairs - 1)
-    words = [f"stages {one} and {one + 1}" for one in range(1, len(between) + 1)] if pairs > 2 else ["the stages"]
+    words = [f"stages {stage} and {stage + 1}" for stage in range(1, len(between) + 1)] if pairs > 2 else ["the stages"]
     words += ["more"] * (len(between) - len(words))
     return [
         NamedShaft("driving shaft", "driving_shaft", around.driving_shaft if around else None),
         *(
-            NamedShaft(f"shaft between {said}", f"shafts_between.{place}", one)
-            for place, (said, one) in enumerate(zip(words, between, strict=False))
+            NamedShaft(f"shaft between {said}", f"shafts_between.{place}", shaft)
+            for place, (said, shaft) in enumerate(zip(words, between, strict=False))
         ),
         NamedShaft("driven shaft", "driven_shaft", around.driven_shaft if around else None),
     ]
@@ -247,7 +247,9 @@ def shaft_faults(shafts: list[NamedShaft], gears: Gears, pairs: int) -> Faults:
         if shaft is None:
             continue
         key, second_mm = f"drivetrain.{name}", getattr(shaft, "second_gear_at_mm", 0.0)
-        bearings = [(one, getattr(shaft, one)) for one in ("bearing_a", "bearing_b") if getattr(shaft, one) is not None]
+        bearings = [
+            (name, getattr(shaft, name)) for name in ("bearing_a", "bearing_b") if getattr(shaft, name) is not None
+        ]
         thrust = dict(bearings).get(f"bearing_{shaft.thrust_on}")
         if helical and thrust is not None and thrust.contact_angle_deg is None:
             lacks = "contact_angle_deg" if thrust.kind == "roller" else "static_rating_n"
@@ -267,12 +269,12 @@ def shaft_faults(shafts: list[NamedShaft], gears: Gears, pairs: int) -> Faults:
             # Of two gears on a shaft, the second is seen from the other end: its hub is on the other side.
             ends = [width / 2.0, width / 2.0 + gears.hub_mm(gear)][:: -1 if place else 1]
             low, top = second_mm * place - ends[0], second_mm * place + ends[1]
-            for bearing, one in bearings:
-                if low < one.at_mm < top:
-                    within = "the gear" if abs(one.at_mm - second_mm * place) < width / 2.0 else "the gear's hub"
+            for bearing, seat in bearings:
+                if low < seat.at_mm < top:
+                    within = "the gear" if abs(seat.at_mm - second_mm * place) < width / 2.0 else "the gear's hub"
                     yield fault(
                         f"{key}.{bearing}.at_mm",
-                        f"{one.at_mm:.10g} mm is within {within}, which ends at {top:.10g} mm; {low:.10g} or less, "
+                        f"{seat.at_mm:.10g} mm is within {within}, which ends at {top:.10g} mm; {low:.10g} or less, "
                         f"or {top:.10g} or more, is right",
                     )
             longest, length = width + gears.hub_mm(gear), shaft.key.length_mm if shaft.key else None
@@ -294,10 +296,10 @@ def widest_mm(shafts: list[NamedShaft], gears: Gears, pairs: int) -> float:
     """The greatest face width with which gears and hubs end before the bearings; infinite where none are given."""
     halves = [inf]
     for number, (_, _, shaft) in enumerate(shafts):
-        bearings = [one for one in (shaft.bearing_a, shaft.bearing_b) if one is not None] if shaft else []
+        bearings = [bearing for bearing in (shaft.bearing_a, shaft.bearing_b) if bearing is not None] if shaft else []
         second_mm = getattr(shaft, "second_gear_at_mm", 0.0)
         for place, gear in enumerate(bodies_on(number, pairs)):
             hub_side = -1.0 if place else 1.0
-            beyond = [hub_side * (one.at_mm - second_mm * place) for one in bearings]
+            beyond = [hub_side * (bearing.at_mm - second_mm * place) for bearing in bearings]
             halves += [max(at - gears.hub_mm(gear), 0.0) if at > 0.0 else -at for at in beyond]
     return 2.0 * min(halves)

@@ -132,7 +132,7 @@ class Rack(Model):
         from ncgear.teeth.form import TipRelief as Relief
 
         pushing, idle = map(radians, self.angles_deg)
-        addendum, dedendum, root = (one * module_mm for one in (self.addendum, self.dedendum, self.root_radius))
+        addendum, dedendum, root = (size * module_mm for size in (self.addendum, self.dedendum, self.root_radius))
         tip = self.tip_relief
         relief = None if tip is None else Relief(tip.amount * module_mm, tip.start * module_mm, addendum)
         return BasicRack(module_mm, pushing, addendum, dedendum, root, relief=relief, idle_angle_rad=idle)

@@ -164,7 +164,7 @@ class Lengths(Model):
     @property
     def ranges(self) -> dict[str, Range]:
         """The given ranges, by their keys."""
-        return {name: one for name in type(self).model_fields if (one := getattr(self, name)) is not None}
+        return {name: ends for name in type(self).model_fields if (ends := getattr(self, name)) is not None}
 
 
 GOALS = Literal[

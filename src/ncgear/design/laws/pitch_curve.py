@@ -115,7 +115,7 @@ class PitchCurve(LawKeys):
             curve_of, _, _ = self._curves(key, 1)
             shares = np.linspace(0.0, 1.0, PER_STRETCH, endpoint=False)
             polar = [part.polar(part.start + shares * (part.end - part.start), 0) for part in curve_of(1.0).stretches]
-            angle, radius = (np.concatenate([one[k].value for one in polar]) for k in (0, 1))
+            angle, radius = (np.concatenate([jet[k].value for jet in polar]) for k in (0, 1))
         # The angle of a formula is the turn of the gear: a driving gear is drawn by its negative.
         turned = -angle if not self._is_drawn and self.gear == "driving" else angle
         return np.column_stack([radius * np.cos(turned), radius * np.sin(turned)]), np.zeros(2), key

@@ -23,12 +23,18 @@ def numbers_of(key: str, formula: str) -> tuple[LawNumber, ...]:
     text = formula.strip()
     tree = ast.parse(text, mode="eval")
     kept = set(_kept(tree))
-    found = [one for one in ast.walk(tree) if isinstance(one, ast.Constant) and one not in kept]
+    found = [constant for constant in ast.walk(tree) if isinstance(constant, ast.Constant) and constant not in kept]
     return tuple(
-        LawNumber(f"{text[one.col_offset : one.end_col_offset]} in the formula", key, float(one.value), before, after)
-        for one in sorted(found, key=lambda one: one.col_offset)
-        if isinstance(one.value, int | float) and one.lineno == one.end_lineno == 1
-        for before, after in [(text[: one.col_offset], text[one.end_col_offset :])]
+        LawNumber(
+            f"{text[constant.col_offset : constant.end_col_offset]} in the formula",
+            key,
+            float(constant.value),
+            before,
+            after,
+        )
+        for constant in sorted(found, key=lambda constant: constant.col_offset)
+        if isinstance(constant.value, int | float) and constant.lineno == constant.end_lineno == 1
+        for before, after in [(text[: constant.col_offset], text[constant.end_col_offset :])]
     )
 
 
@@ -39,9 +45,9 @@ def _kept(tree: ast.AST) -> Iterator[ast.AST]:
         if isinstance(node.op, ast.Pow):
             yield node.right
         elif isinstance(node.op, ast.Mult | ast.Div) and any(
-            isinstance(one, ast.Name) for one in (node.left, node.right)
+            isinstance(side, ast.Name) for side in (node.left, node.right)
         ):
-            yield from (one for one in (node.left, node.right) if _is_whole(one))
+            yield from (side for side in (node.left, node.right) if _is_whole(side))
 
 
 def _is_whole(node: ast.AST) -> bool:

@@ -77,9 +77,9 @@ class Table(LawKeys):
         key = key_of(self, "phi1")
         angles: tuple[float, ...] = getattr(self, key)
         turn = FULL_TURN[key.removeprefix("phi1_")]
-        for i, one in enumerate(angles):
-            if not 0.0 <= one <= turn:
-                yield fault(f"{key}.{i}", f"{one:g} is outside the cycle; 0 to {shown_below(turn)} is right")
+        for i, turned in enumerate(angles):
+            if not 0.0 <= turned <= turn:
+                yield fault(f"{key}.{i}", f"{turned:g} is outside the cycle; 0 to {shown_below(turn)} is right")
         yield from not_rising(key, angles, NEAREST_TURNS * turn)
 
     @property

@@ -254,7 +254,7 @@ def require_stroke_of(stroke: float | None, linkage: Mechanism) -> None:
     """Refuse a stroke in the file, in mm or rad, that differs from the mechanism's stroke; raises WrongInput."""
     if stroke is not None and not isclose(stroke, linkage.stroke_mm, rel_tol=SAME_STROKE):
         relation, place = "longer" if stroke > linkage.stroke_mm else "shorter", linkage.OUTPUT.place
-        told, right = (f"{place.factor * one:.9g} {place.text}" for one in (stroke, linkage.stroke_mm))
+        told, right = (f"{place.factor * length:.9g} {place.text}" for length in (stroke, linkage.stroke_mm))
         raise WrongInput(
             f"{told} is {relation} than the linkage's stroke of {right}; give "
             f"{right}, leave the key out, or change linkage.{linkage.STROKE_KEY}",

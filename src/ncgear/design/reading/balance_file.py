@@ -50,7 +50,11 @@ def load_balance(path: Path) -> LoadedBalance:
 
 def _designs(balance: Balance, document: Document, path: Path) -> Iterator[tuple[str, LoadedDesign]]:
     """Each design that the file names, with the key that names it."""
-    named = {f"mechanisms.{k}.design": one.design for k, one in enumerate(balance.mechanisms) if one.design is not None}
+    named = {
+        f"mechanisms.{k}.design": mechanism.design
+        for k, mechanism in enumerate(balance.mechanisms)
+        if mechanism.design is not None
+    }
     if balance.gears is not None:
         named["gears.design"] = balance.gears.design
     for key, name in named.items():

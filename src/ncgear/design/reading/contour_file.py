@@ -82,13 +82,15 @@ def contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
         every = list(islice(_apart(_whole(document.modelspace(), chains), file), MOST_ENTITIES + 1))
         if len(every) > MOST_ENTITIES:
             raise WrongInput(f"holds over {MOST_ENTITIES} entities; a contour alone is right", location=str(file))
-        hidden = {_name(one.dxf.name) for one in document.layers if one.is_off() or one.is_frozen()}
+        hidden = {_name(layer.dxf.name) for layer in document.layers if layer.is_off() or layer.is_frozen()}
         if layer is None:
-            hidden |= {NEVER_PLOTTED, *(_name(one.dxf.name) for one in document.layers if not one.dxf.plot)}
-        shown = [one for one in every if _name(one.dxf.layer) not in hidden and not one.dxf.get("invisible", 0)]
-        named = [one for one in shown if layer is None or _name(one.dxf.layer) == _name(str(layer))]
-        read = [one for one in named if one.dxftype() in READ]
-        curves = chords_joined((_values(curve, one, file) for one in read for curve in _curves(one)), file)
+            hidden |= {NEVER_PLOTTED, *(_name(layer.dxf.name) for layer in document.layers if not layer.dxf.plot)}
+        shown = [
+            entity for entity in every if _name(entity.dxf.layer) not in hidden and not entity.dxf.get("invisible", 0)
+        ]
+        named = [entity for entity in shown if layer is None or _name(entity.dxf.layer) == _name(str(layer))]
+        read = [entity for entity in named if entity.dxftype() in READ]
+        curves = chords_joined((_values(curve, entity, file) for entity in read for curve in _curves(entity)), file)
         if not curves:
             raise WrongInput(_holds_none(document, every, shown, layer), location=str(file))
         found = {"curves": curves, "near": _near(read)}
@@ -130,12 +132,12 @@ def _whole(entities: Iterable[DXFEntity], chains: list[Array]) -> Iterator[DXFEn
     """The entities, with long chains whole again."""
     from ezdxf.entities import Line, LWPolyline, Polyline
 
-    for one in entities:
-        if not isinstance(one, Line | LWPolyline | Polyline) or one.dxf.get("thickness", 0.0) < MARK:
-            yield one
+    for entity in entities:
+        if not isinstance(entity, Line | LWPolyline | Polyline) or entity.dxf.get("thickness", 0.0) < MARK:
+            yield entity
             continue
-        line = one if isinstance(one, LWPolyline) else _light(one)
-        line.lwpoints.values = chains[round(one.dxf.thickness / MARK) - 1]
+        line = entity if isinstance(entity, LWPolyline) else _light(entity)
+        line.lwpoints.values = chains[round(entity.dxf.thickness / MARK) - 1]
         yield line
 
 
@@ -171,21 +173,21 @@ def _apart(entities: Iterable[DXFEntity], file: Path, within: tuple[str, ...] = 
     """
     from ezdxf.entities import Insert
 
-    for one in entities:
-        if not isinstance(one, Insert) or len(within) == DEEPEST:
-            yield one
+    for entity in entities:
+        if not isinstance(entity, Insert) or len(within) == DEEPEST:
+            yield entity
             continue
-        name = _name(one.dxf.name)
+        name = _name(entity.dxf.name)
         if name in within:
-            problem = f"block {quoted(_decoded(one.dxf.name))} holds itself; explode it in the drawing"
+            problem = f"block {quoted(_decoded(entity.dxf.name))} holds itself; explode it in the drawing"
             raise WrongInput(problem, location=str(file))
-        if one.mcount > 1:
-            yield from _apart(one.multi_insert(), file, within)
+        if entity.mcount > 1:
+            yield from _apart(entity.multi_insert(), file, within)
         else:
-            for part in _apart(one.virtual_entities(), file, (*within, name)):
+            for part in _apart(entity.virtual_entities(), file, (*within, name)):
                 # The content of layer 0 of a block lies on the layer of the block.
                 if part.dxf.layer == "0":
-                    part.dxf.layer = one.dxf.layer
+                    part.dxf.layer = entity.dxf.layer
                 yield part
 
 
@@ -193,7 +195,7 @@ def _holds_none(document: Drawing, every: list[DXFEntity], shown: list[DXFEntity
     """The reason why a drawing gives no part of a contour."""
 
     def layers_of(entities: Iterable[DXFEntity]) -> str:
-        names = sorted({_decoded(one.dxf.layer) for one in entities if one.dxftype() in READ})
+        names = sorted({_decoded(entity.dxf.layer) for entity in entities if entity.dxftype() in READ})
         return listed([quoted(name) for name in names], "and") if names else ""
 
     on_layer = "" if layer is None else f" on layer {quoted(layer)}"
@@ -201,10 +203,10 @@ def _holds_none(document: Drawing, every: list[DXFEntity], shown: list[DXFEntity
         why = f"layers with such parts are {held}"
     elif off := layers_of(every):
         why = f"layers with such parts are off, frozen or not plotted: {off}; switch them on in the drawing"
-    elif any(one.dxftype() in READ for page in document.layouts if page.is_any_paperspace for one in page):
+    elif any(entity.dxftype() in READ for page in document.layouts if page.is_any_paperspace for entity in page):
         why = "such parts are in its paper space only; draw in the model space"
     else:
-        kinds = sorted({one.dxftype() for one in every})
+        kinds = sorted({entity.dxftype() for entity in every})
         why = f"it has {listed(kinds, 'and')} only; explode them in the drawing" if kinds else "it has none"
     return f"holds no {listed(READ)}{on_layer}; {why}"
 
@@ -232,7 +234,7 @@ def _curves(entity: DXFEntity) -> Iterator[BSpline | Array]:
             # A traced outline may have many chords: one chain has them all.
             points = np.column_stack([rows[:, :2], np.full(len(rows), line.dxf.elevation)])
             if (ocs := line.ocs()).transform:
-                points = np.array([tuple(one) for one in ocs.points_to_wcs(Vec3.generate(points))])
+                points = np.array([tuple(point) for point in ocs.points_to_wcs(Vec3.generate(points))])
             yield np.concatenate([points, points[:1]]) if line.closed else points
     elif isinstance(entity, kinds.Line):
         yield np.array([tuple(entity.dxf.start), tuple(entity.dxf.end)])
@@ -257,8 +259,8 @@ def _rows(entity: LWPolyline | Polyline) -> Array:
 
     if isinstance(entity, LWPolyline):
         return np.array(entity.lwpoints.values).reshape(-1, 5)
-    kept = (one.dxf for one in entity.vertices if not one.dxf.flags & SPLINE_FRAME)
-    return np.array([(*one.location.vec2, 0.0, 0.0, one.get("bulge", 0.0)) for one in kept]).reshape(-1, 5)
+    kept = (vertex.dxf for vertex in entity.vertices if not vertex.dxf.flags & SPLINE_FRAME)
+    return np.array([(*vertex.location.vec2, 0.0, 0.0, vertex.get("bulge", 0.0)) for vertex in kept]).reshape(-1, 5)
 
 
 def _through_fit_points(entity: Spline) -> BSpline:
@@ -278,7 +280,7 @@ def _through_fit_points(entity: Spline) -> BSpline:
 
 def _values(curve: BSpline | Array, entity: DXFEntity, file: Path) -> dict[str, Any]:
     """The curve as the keys of a part; refuses a curve that leaves the plane."""
-    points = curve if isinstance(curve, np.ndarray) else np.array([tuple(one) for one in curve.control_points])
+    points = curve if isinstance(curve, np.ndarray) else np.array([tuple(point) for point in curve.control_points])
     size = np.max(np.abs(points))
     if not isfinite(size):
         raise WrongInput("holds a coordinate that is no finite number", location=str(file))
@@ -330,7 +332,7 @@ def chords_joined(parts: Iterable[dict[str, Any]], file: Path) -> list[dict[str,
             f"holds {len(found)} lines, arcs and curves; at most {MOST_CURVES} are right: join lines to a polyline"
         )
         raise WrongInput(f"{problem}, or simplify the curve", location=str(file))
-    return [{**one, **chords_of(one["x"], one["y"])} if one["degree"] == 1 else one for one in found]
+    return [{**curve, **chords_of(curve["x"], curve["y"])} if curve["degree"] == 1 else curve for curve in found]
 
 
 def _drawn(part: dict[str, Any]) -> tuple[object, ...]:
@@ -347,8 +349,8 @@ much in the centre and the radius of an arc, are 2.9."""
 def _near(entities: Iterable[DXFEntity]) -> float:
     """Largest gap between ends that comes from the rounding of the drawing's numbers, in the drawing's unit."""
     lengths, angles, turned, radius = [np.zeros(0)], list[float](), list[float](), 0.0
-    for one in entities:
-        found = one.dxfattribs()
+    for entity in entities:
+        found = entity.dxfattribs()
         lengths += [np.array(found[key].vec2) for key in ("start", "end", "center", "major_axis") if key in found]
         angles += [found[key] for key in ("start_angle", "end_angle") if key in found]
         turned += [found[key] for key in ("start_param", "end_param") if key in found]
@@ -356,7 +358,7 @@ def _near(entities: Iterable[DXFEntity]) -> float:
         if "radius" in found:
             lengths.append(np.array([found["radius"]]))
             radius = max(radius, found["radius"])
-        lengths.append(_vertices(one).ravel())
+        lengths.append(_vertices(entity).ravel())
     return END_STEPS * _step(np.concatenate(lengths)) + radius * (radians(_step(angles)) + _step(turned))
 
 

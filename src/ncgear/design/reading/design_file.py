@@ -164,18 +164,16 @@ def plain(value: Any, key: str = "") -> Any:
         return {name: plain(inner, f"{key}.{name}".lstrip(".")) for name, inner in value.items()}
     if hasattr(value, "tolist"):
         return value.tolist()
-    return (
-        [plain(one, f"{key}.{place}") for place, one in enumerate(value)] if isinstance(value, list | tuple) else value
-    )
+    return [plain(x, f"{key}.{place}") for place, x in enumerate(value)] if isinstance(value, list | tuple) else value
 
 
 def _keys(value: Any, above: str) -> Iterator[str]:
     """The dotted keys of all groups and list items."""
     inner = value.items() if isinstance(value, Mapping) else enumerate(value) if isinstance(value, list) else ()
-    for name, one in inner:
+    for name, inner_value in inner:
         key = f"{above}.{name}".lstrip(".")
         yield key
-        yield from _keys(one, key)
+        yield from _keys(inner_value, key)
 
 
 @dataclass(frozen=True)

@@ -74,12 +74,12 @@ class DxfText:
         Layers, kinds and flags are those of the first."""
         same = ("0", "8", "70")
         values = ["([^\n]*)" if c in wanted else re.escape(v) if c in same else "[^\n]*" for c, v in tags]
-        one = re.compile("".join(rf"[ \t]*{c}[ \t]*\n{v}\n" for (c, _), v in zip(tags, values, strict=True)))
+        pattern = re.compile("".join(rf"[ \t]*{c}[ \t]*\n{v}\n" for (c, _), v in zip(tags, values, strict=True)))
         found, places = list[str](), [at]
-        while row := one.match(self._whole, places[-1]):
+        while row := pattern.match(self._whole, places[-1]):
             found += row.groups()
             places.append(row.end())
-        return np.array([*map(float, found)]).reshape(-1, max(one.groups, 1)), places
+        return np.array([*map(float, found)]).reshape(-1, max(pattern.groups, 1)), places
 
     def _cut(self, rows: Array, begin: int, short: int, after: int) -> None:
         """Mark the first entity after a place as a chain, and leave out what lies between two other places."""

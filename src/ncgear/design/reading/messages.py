@@ -70,8 +70,8 @@ def _wrong_input(found: list[Problem], source: Source) -> WrongInput:
     placed = [(source.place(problem.key), problem) for problem in found]
     placed.sort(key=lambda item: (item[0].file != own_file, item[0].line, item[0].column))
     first, *others = (
-        WrongInput(one.text, key=source.as_written(one.key), location=str(place))
-        for place, one in placed[:MOST_PROBLEMS]
+        WrongInput(problem.text, key=source.as_written(problem.key), location=str(place))
+        for place, problem in placed[:MOST_PROBLEMS]
     )
     if len(placed) > MOST_PROBLEMS:
         others.append(WrongInput(f"and {len(placed) - MOST_PROBLEMS} more"))
@@ -230,7 +230,7 @@ _NEEDED: dict[str, Callable[[Mapping[str, Any]], str]] = {
 def _wrong_law(motion: Mapping[str, Any]) -> str:
     law = motion.get("law")
     if law is None:
-        close = get_close_matches("law", [one for one in motion if one != "law"], n=1)
+        close = get_close_matches("law", [key for key in motion if key != "law"], n=1)
         given = f"{close[0]} is no key; " if close else "nothing given; " if "law" in motion else "missing; "
         return f"{given}give law, one of {listed(LAWS)}"
     return f"{quoted(law)} is no known law; one of {listed(LAWS)} is right{_did_you_mean(str(law), LAWS)}"
@@ -249,7 +249,7 @@ def _unknown_key(detail: ErrorDetails, root: type[BaseModel], data: Mapping[str,
         return f"unknown key here; {meant[-1]} stands under {_key(meant[:-1])}"
     given = _at(data, _key(group))
     units = spellings(quantity(str(meant[-1])))
-    there = next((one for one in (meant[-1], *units) if _at(given, str(one)) not in ("", None)), None)
+    there = next((key for key in (meant[-1], *units) if _at(given, str(key)) not in ("", None)), None)
     if there is None:
         return f"unknown key; did you mean {listed(units) if word == quantity(str(meant[-1])) else meant[-1]}?"
     return f"unknown key; {there}, which is like it, is given too: keep {there} and leave {word} out"
@@ -272,16 +272,16 @@ def _meant(details: Sequence[ErrorDetails], root: type[BaseModel]) -> dict[Locat
     for *group, word in unknown:
         known, name = _keys_at(tuple(group), root), str(word)
         own, other = (
-            [(*group, one) for one in ones] for ones in (_like(name, known), get_close_matches(name, known, 1))
+            [(*group, path) for path in ones] for ones in (_like(name, known), get_close_matches(name, known, 1))
         )
-        elsewhere = [one for one in _elsewhere(name, root) if one[0] not in group[:1]]
-        beside = [one for one in emptied if one[:-1] == tuple(group)]
-        elsewhere += [(*one, key) for one in beside for key in _like(name, _keys_at(one, root))]
+        elsewhere = [path for path in _elsewhere(name, root) if path[0] not in group[:1]]
+        beside = [path for path in emptied if path[:-1] == tuple(group)]
+        elsewhere += [(*path, key) for path in beside for key in _like(name, _keys_at(path, root))]
         if guesses := [*elsewhere, *own] if "." in name else [*own, *elsewhere, *other]:
             found[(*group, word)] = guesses[0]
     missing = {detail["loc"] for detail in details if detail["type"] == "missing"} - {*found.values()}
     for location in unknown:
-        alike = [[one for one in ones if one[:-1] == location[:-1]] for ones in (missing, {*unknown} - found.keys())]
+        alike = [[path for path in ones if path[:-1] == location[:-1]] for ones in (missing, {*unknown} - found.keys())]
         if location not in found and [len(ones) for ones in alike] == [1, 1]:
             found[location] = alike[0][0]
     return found
@@ -289,7 +289,7 @@ def _meant(details: Sequence[ErrorDetails], root: type[BaseModel]) -> dict[Locat
 
 def _like(name: str, known: Sequence[str]) -> list[str]:
     """The known keys with a very similar name, and the known keys that add a unit to the name."""
-    return [*get_close_matches(name, known, 1, 0.7), *(one for one in known if one.startswith(f"{name}_"))]
+    return [*get_close_matches(name, known, 1, 0.7), *(key for key in known if key.startswith(f"{name}_"))]
 
 
 def _elsewhere(word: str, root: type[BaseModel]) -> list[Location]:

@@ -118,7 +118,7 @@ def with_value(data: Any, key: str, value: Any) -> Any:
         return [*data[:place], *items, *data[place + 1 :]]
     group = {} if data is None else data
     if not rest and value is None:
-        return {name: one for name, one in group.items() if name != first}
+        return {name: value for name, value in group.items() if name != first}
     return {**group, first: with_value(group.get(first), rest, value) if rest else value}
 
 

@@ -114,7 +114,7 @@ def _of_text(text: str, path: Path) -> Iterator[FileRow]:
         stripped = content.strip()
         if not stripped or _is_comment(stripped) or RULE.fullmatch(stripped):
             continue
-        separator = separator or next((one for one in (";", "\t", "|", ",") if one in content), " ")
+        separator = separator or next((mark for mark in (";", "\t", "|", ",") if mark in content), " ")
         cells = content.split() if separator == " " else _cells(content, separator, path, line)
         if separator != "," and any(sign in content and sign not in decimals for sign in (".", ",")):
             _refuse_both(cells, line, decimals, path)
@@ -162,7 +162,7 @@ def _of_sheet(path: Path, limit_mb: int) -> Iterator[FileRow]:
     read_bytes(path, limit_mb=limit_mb)
     try:
         book = load_workbook(str(path))
-        shown = [one.name for one in book.sheets_metadata if one.visible == SheetVisibleEnum.Visible]
+        shown = [sheet.name for sheet in book.sheets_metadata if sheet.visible == SheetVisibleEnum.Visible]
         rows = book.get_sheet_by_name(shown[0]).to_python(skip_empty_area=False)
     except (CalamineError, IndexError, OSError) as error:
         said = " ".join(str(error).split())[:80]

@@ -85,8 +85,8 @@ def svg_contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
             raise WrongInput(f"is no SVG file: its first element is {quoted(_kind(tree))}", location=str(file))
         text, chains = _marked(tree, wanted)
         document = SVG.parse(BytesIO(text), reify=False, ppi=PX_PER_INCH)
-        drawn = [one for one in document.elements() if isinstance(one, Shape)]
-        shapes = [one for one in drawn if one.values.get("visibility") not in HIDDEN]
+        drawn = [element for element in document.elements() if isinstance(element, Shape)]
+        shapes = [element for element in drawn if element.values.get("visibility") not in HIDDEN]
         mm = MM_PER_PX * _sharpened(document)
         height_mm = mm * float(document.height)
     except UNREADABLE as error:
@@ -106,8 +106,8 @@ def svg_contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
     if not curves:
         names = sorted({shape.values[NAME] for shape in shapes if NAME in shape.values})
         held = f"; elements with curves are {listed([quoted(name) for name in names], 'and')}" if names else ""
-        others = sorted({_kind(one) for one in tree.iter()} & set(NO_CURVES)) if not shapes else []
-        held += "".join(f"; {NO_CURVES[one]}" for one in others)
+        others = sorted({_kind(element) for element in tree.iter()} & set(NO_CURVES)) if not shapes else []
+        held += "".join(f"; {NO_CURVES[kind]}" for kind in others)
         of = "" if wanted is None else f" of the element {quoted(wanted)}"
         raise WrongInput(f"holds no curve{of}{held}", location=str(file))
     return FromFile({"curves": curves, "holes": holes} if holes else {"curves": curves})
@@ -125,21 +125,21 @@ def _marked(tree: ElementTree.Element, wanted: str | None) -> tuple[bytes, list[
     within the page that only moves its content becomes a group, since the library does not move it.
     """
     chains = list[Array]()
-    for one in list(tree.iter()):
-        names = [name for key in ("id", LABEL) if (name := one.get(key))]
-        one.attrib.update({NAME: names[0]} if names else {})
-        one.attrib.update({WANTED: ""} if wanted in names else {})
-        if (points := _long_chain(one)) is not None:
-            one.set(CHAIN, str(len(chains)))
-            one.attrib |= {key: text for key, text in SHORT.items() if key in one.attrib}
+    for element in list(tree.iter()):
+        names = [name for key in ("id", LABEL) if (name := element.get(key))]
+        element.attrib.update({NAME: names[0]} if names else {})
+        element.attrib.update({WANTED: ""} if wanted in names else {})
+        if (points := _long_chain(element)) is not None:
+            element.set(CHAIN, str(len(chains)))
+            element.attrib |= {key: text for key, text in SHORT.items() if key in element.attrib}
             chains.append(points)
-        for number, part in enumerate(one):
+        for number, part in enumerate(element):
             if _kind(part) == "svg" and part.get("viewBox") is None:
                 part.tag = part.tag.removesuffix("svg") + "g"
                 part.set("transform", f"translate({part.get('x', '0')},{part.get('y', '0')})")
             if _kind(part) in REFERRED:
-                one[number] = ElementTree.Element("defs")
-                one[number].append(part)
+                element[number] = ElementTree.Element("defs")
+                element[number].append(part)
     return ElementTree.tostring(tree), chains
 
 
@@ -185,8 +185,8 @@ def _without_holes(parts: list[dict[str, Any]]) -> tuple[list[dict[str, Any]], i
     if len(contours) == 1 or not closed:
         return parts, 0
     areas = [Polygon(np.concatenate(lines[begin:end])) for begin, end in contours]
-    outer = int(np.argmax([one.area for one in areas]))
-    if not all(one.is_valid and areas[outer].contains(one) for one in areas):
+    outer = int(np.argmax([area.area for area in areas]))
+    if not all(area.is_valid and areas[outer].contains(area) for area in areas):
         return parts, 0
     begin, end = contours[outer]
     return parts[begin:end], len(contours) - 1
@@ -208,22 +208,25 @@ def _curves(segments: Iterable[PathSegment]) -> Iterator[tuple[Array, list[float
 
     for kind, run in groupby(segments, type):
         if issubclass(kind, Linear):
-            lines = [one for one in run if one.start is not None and one.end is not None]
+            lines = [segment for segment in run if segment.start is not None and segment.end is not None]
             if lines:
-                yield np.array([_xy(lines[0].start), *(_xy(one.end) for one in lines)]), None
+                yield np.array([_xy(lines[0].start), *(_xy(line.end) for line in lines)]), None
             continue
-        for one in run:
-            if isinstance(one, Arc):
-                yield from _arcs(one)
-            elif isinstance(one, CubicBezier):
-                yield np.array([_xy(at) for at in (one.start, one.control1, one.control2, one.end)]), [1.0] * 4
-            elif isinstance(one, QuadraticBezier):
-                yield np.array([_xy(at) for at in (one.start, one.control, one.end)]), [1.0] * 3
+        for segment in run:
+            if isinstance(segment, Arc):
+                yield from _arcs(segment)
+            elif isinstance(segment, CubicBezier):
+                yield (
+                    np.array([_xy(at) for at in (segment.start, segment.control1, segment.control2, segment.end)]),
+                    [1.0] * 4,
+                )
+            elif isinstance(segment, QuadraticBezier):
+                yield np.array([_xy(at) for at in (segment.start, segment.control, segment.end)]), [1.0] * 3
 
 
 def _arcs(arc: Arc) -> Iterator[tuple[Array, list[float]]]:
     """Parts of up to a quarter of an ellipse, rational curves whose middle weight is the cosine of half their angle."""
-    center, along, across = (np.array(_xy(one)) for one in (arc.center, arc.prx, arc.pry))
+    center, along, across = (np.array(_xy(point)) for point in (arc.center, arc.prx, arc.pry))
     along, across = along - center, across - center
     start, count = float(arc.get_start_t()), max(ceil(abs(arc.sweep) / (pi / 2.0) - 1e-9), 1)
     step = float(arc.sweep) / count

@@ -197,7 +197,7 @@ class Planetary(RatedTrain):
             bends = {"bends_deg": [-self.bend_deg]} if self.bend_deg else {}
             gears["idlers"] = {"lobes": [1], **bends}
         else:
-            motion["second_stage"] = {"ratio": [one**0.5 for one in motion["ratio"]]}
+            motion["second_stage"] = {"ratio": [coefficient**0.5 for coefficient in motion["ratio"]]}
             if path[0] is not None and self.gears.module_mm is None:
                 raise WrongInput(
                     "missing, so each mesh has its own module; both have one where commands rate them: give it, in the "
@@ -228,7 +228,7 @@ class Planetary(RatedTrain):
             moments = sun.kg_mm2, idler.kg_mm2, planet.kg_mm2, 0.0
             names = "driving_gear_kg_mm2", "shaft_between_kg_mm2", "driven_gear_kg_mm2", "shaft_kg_mm2"
             inertia = {"masses": dict(zip(names, moments, strict=True))}
-        angles = [degrees(one) for one in planet.turned_rad[::TAKEN]]
+        angles = [degrees(angle) for angle in planet.turned_rad[::TAKEN]]
         table = {"angle_deg": [0.0, *angles[1:-1], 360.0], "torque_n_m": torque[::TAKEN].tolist()}
         return {"resistance": {"table": table, "where_negative": "keep"}, **inertia}
 

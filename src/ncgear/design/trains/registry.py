@@ -69,7 +69,7 @@ def train_model(data: Mapping[str, Any]) -> type[TrainFile]:
         raise WrongInput(f"{said}; {listed(KINDS)} is needed", key="train.kind")
     known = KINDS[kind].model_fields
     for key in given if isinstance(given, Mapping) else ():
-        if key not in known and (others := [name for name, one in KINDS.items() if key in one.model_fields]):
+        if key not in known and (others := [name for name, kind in KINDS.items() if key in kind.model_fields]):
             raise WrongInput(f"unknown key of kind {kind}; kind: {listed(others)} has it", key=f"train.{key}")
     return _model_of(kind)
 
@@ -78,7 +78,7 @@ def train_model(data: Mapping[str, Any]) -> type[TrainFile]:
 def _model_of(kind: str) -> type[TrainFile]:
     keys = KINDS[kind]
     named: Any = Literal[tuple(KINDS)]
-    meanings = "; ".join(f"{name}, {one.MEANING}" for name, one in KINDS.items())
+    meanings = "; ".join(f"{name}, {kind.MEANING}" for name, kind in KINDS.items())
     kind_key: Any = named, required(f"which train it is: {meanings}")
     title, first = f"{keys.__name__}Train", {"first": True}
     named_keys: Any = create_model(title, __base__=keys, __doc__=keys.__doc__, __cls_kwargs__=first, kind=kind_key)

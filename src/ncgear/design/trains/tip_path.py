@@ -90,17 +90,19 @@ class TipPathKeys(Model):
 
         points = np.array(self.points_mm) @ np.array([1.0, 1.0j])
         tolerances = np.array(self.tolerances_mm or [self.tolerance_mm] * len(points))
-        tools = tuple((one.point - 1, radians(one.angle_deg)) for one in self.tool or ())
+        tools = tuple((tool_angle.point - 1, radians(tool_angle.angle_deg)) for tool_angle in self.tool or ())
         path = WishedPath(points, tolerances, tools, radians(self.tool_tolerance_deg))
-        return path.straightened([one - 1 for one in self.straight]) if self.straight else path
+        return path.straightened([number - 1 for number in self.straight]) if self.straight else path
 
     def stretches(self, wished: WishedPath) -> list[PacedStretch]:
         """The stretches with their pace."""
         from ncgear.trains.pace import PacedStretch
 
         return [
-            PacedStretch(wished.place(one.from_point), wished.place(one.to_point), one.share, one.speed_mm_s)
-            for one in self.pace or ()
+            PacedStretch(
+                wished.place(stretch.from_point), wished.place(stretch.to_point), stretch.share, stretch.speed_mm_s
+            )
+            for stretch in self.pace or ()
         ]
 
     def _corners_are_apart(self) -> Faults:
@@ -110,9 +112,9 @@ class TipPathKeys(Model):
                     yield fault("axis_to_mm", f"{high:g} given, but axis_from_mm has {low:g} there; more is right")
 
     def _points_are_there(self) -> Faults:
-        for number, one in enumerate(self.tool or ()):
-            if one.point > len(self.points_mm):
-                yield fault(f"tool.{number}.point", f"{one.point} given; 1 to {len(self.points_mm)} are right")
+        for number, tool_angle in enumerate(self.tool or ()):
+            if tool_angle.point > len(self.points_mm):
+                yield fault(f"tool.{number}.point", f"{tool_angle.point} given; 1 to {len(self.points_mm)} are right")
         for place, number in enumerate(self.straight or ()):
             if number > len(self.points_mm):
                 yield fault(f"straight.{place}", f"{number} given; 1 to {len(self.points_mm)} are right")

@@ -49,7 +49,7 @@ class ConstantSpeed(WishKeys):
         """Faults of stretches of one stroke that overlap, or that do not agree where they meet."""
         for stroke in ("working", "return"):
             strokes = [(number, wish) for number, wish in enumerate(own) if wish.stroke == stroke]
-            strokes.sort(key=lambda one: one[1].place("from"))
+            strokes.sort(key=lambda wish: wish[1].place("from"))
             for (_, low), (number, high) in pairwise(strokes):
                 (start, end), begins = (low.place("from"), low.place("to")), high.place("from")
                 if begins < end or (begins == end and not low.agrees(high)):

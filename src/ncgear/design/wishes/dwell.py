@@ -34,7 +34,9 @@ class Dwell(WishKeys):
         """Refuse an exact dwell, and dwells at both ends that leave no driving angle for the ways between them."""
         own = wishes.of(cls)
         ends = ("retracted", "extended")
-        longest = [max((one.for_angle_rad for one in own if one.hard and one.at == end), default=0.0) for end in ends]
+        longest = [
+            max((dwell.for_angle_rad for dwell in own if dwell.hard and dwell.at == end), default=0.0) for end in ends
+        ]
         together = sum(longest)
         if not together < on.cycle_rad:
             raise WrongInput(

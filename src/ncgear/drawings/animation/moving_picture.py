@@ -250,8 +250,8 @@ def picture(scene: Scene, width_px: int) -> Picture:
             _name_gears(panels[name])
     moving += charts(_chart_axes(made), scene)
     moving.append(angles(made, 1.0 - EDGE_IN / WIDTH_IN, 1.0 - EDGE_IN / made.get_figheight()))
-    for one in moving:
-        for artist in one.artists:
+    for part in moving:
+        for artist in part.artists:
             # Matplotlib leaves animated artists out of the background.
             artist.set_animated(True)
     return Picture(made, tuple(moving))

@@ -135,7 +135,7 @@ def mark_extreme(axes: Axes, line: ChartLine, unit: str) -> None:
     axes.margins(y=0.16)
     axes.autoscale_view(scalex=False)
     # Marks of joints have no points to read
-    curves = [one for one in axes.lines if one.get_color() != canvas.JOINT and np.size(one.get_xdata()) > 0]
+    curves = [line for line in axes.lines if line.get_color() != canvas.JOINT and np.size(line.get_xdata()) > 0]
     axes.plot(x, y, "o", color=canvas.DRIVING, markersize=4.5)
     text = f"{to_digits(y, 4)} {unit} at {fixed(x, 0)}\u00b0".replace("-", "\u2212")
     note = axes.annotate(

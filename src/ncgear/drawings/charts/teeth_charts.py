@@ -153,7 +153,7 @@ def _pressure(strength: Strength, found: Sequence[Weakest]) -> Chart:
 
 def _limits(strength: Strength, found: Sequence[Weakest], damage: Damage) -> list[ChartLine]:
     """The stresses that the weakest teeth endure, as level lines; one line for both gears if they endure the same."""
-    endured = {one.gear: one.endured_mpa for one in found if one.damage is damage}
+    endured = {weakest.gear: weakest.endured_mpa for weakest in found if weakest.damage is damage}
     ends = np.array([0.0, degrees(strength.end_rad)])
     driving, driven = endured[Gear.DRIVING], endured[Gear.DRIVEN]
     if abs(driving - driven) <= SAME_LIMIT * max(driving, driven):

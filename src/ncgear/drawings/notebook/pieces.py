@@ -114,10 +114,10 @@ def table(content: Table) -> Markup:
 def charts(shown: Iterable[PageChart]) -> Markup:
     """Charts beside each other, as the report draws them, each with its extremes and the key of its lines."""
     named = []
-    for one in map(drawn, shown):
+    for chart in map(drawn, shown):
         # Names in an SVG count for the whole page: they follow from its content
-        old, new = one.page_chart.key, f"ncgear-{digest(one.drawing)}"
-        named.append((one, one.drawing.replace(f'"{old}-', f'"{new}-').replace(f"#{old}-", f"#{new}-")))
+        old, new = chart.page_chart.key, f"ncgear-{digest(chart.drawing)}"
+        named.append((chart, chart.drawing.replace(f'"{old}-', f'"{new}-').replace(f"#{old}-", f"#{new}-")))
     return Markup(_macros().charts(named))
 
 
@@ -261,6 +261,6 @@ def picture(outlines: Sequence[DrawnOutline], name: str) -> Markup:
     # A ring goes behind the gear within it.
     drawn = sorted(outlines, key=lambda outline: -float(np.ptp(outline.contours_mm[0][:, 0])))
     shapes = [
-        (one.gear.value, f"{one.axis_mm:.6g}", f"{grid:.6g}", closed_path(one.contours_mm, grid)) for one in drawn
+        (gear.gear.value, f"{gear.axis_mm:.6g}", f"{grid:.6g}", closed_path(gear.contours_mm, grid)) for gear in drawn
     ]
     return Markup(_macros().picture(name, box, shapes))

@@ -223,9 +223,9 @@ def _solid(solid: GearSolid, gear: Gear = Gear.DRIVING) -> Iterator[Markup]:
 def _strength(strength: Strength) -> Iterator[Markup]:
     found = weakest_teeth(strength, dict.fromkeys(Gear, ANY_SAFETY))
     heads = {place: head for place, head in enumerate(WEAKEST) if head.label != "wanted"}
-    cells = [weakest_cells(one, strength.wears) for one in found]
+    cells = [weakest_cells(weakest, strength.wears) for weakest in found]
     made_of = (f"{gear.value} gear of {strength.of(gear).material.name}" for gear in Gear)
-    rows = tuple(tuple(one[place] for place in heads) for one in cells)
+    rows = tuple(tuple(row[place] for place in heads) for row in cells)
     yield table(Table("The weakest teeth", tuple(heads.values()), rows, (METHODS[strength.method], *made_of)))
     drawn = teeth_charts.strength_charts(strength, found)
     yield charts(PageChart(chart.name.replace(" ", "-"), chart) for chart in drawn)
@@ -260,24 +260,26 @@ def _best_law(best: BestLaw) -> Iterator[Markup]:
     found = {"best law": best.figures, "uniform crank": best.uniform_figures}
     if best.given_figures is not None:
         found["this design"] = best.given_figures
-    for name, one in found.items():
-        yield Markup("<p><b>{}</b></p>").format(name) + figures(figures_summary(one))
+    for name, law in found.items():
+        yield Markup("<p><b>{}</b></p>").format(name) + figures(figures_summary(law))
 
 
 @_pieces.register
 def _frontier(found: Frontier) -> Iterator[Markup]:
     columns = columns_of("cap on the power, W", "limit, mm/s2", "best law, mm/s2", "family, mm/s2")
     rows = tuple(
-        tuple(map(shown, (one.cap_w, one.limit_mm_s2, one.law.peak_acceleration_mm_s2, of.peak_acceleration_mm_s2)))
-        for one, of in zip(found.laws, found.families, strict=True)
+        tuple(
+            map(shown, (point.cap_w, point.limit_mm_s2, point.law.peak_acceleration_mm_s2, of.peak_acceleration_mm_s2))
+        )
+        for point, of in zip(found.laws, found.families, strict=True)
     )
     yield table(Table("Least peak acceleration", columns, rows))
     limit = np.array([[law.cap_w, law.limit_mm_s2] for law in found.laws])
     laws = np.array([[law.law.peak_power_w, law.law.peak_acceleration_mm_s2] for law in found.laws])
     known = [
-        (one.peak_power_w, one.peak_acceleration_mm_s2)
-        for one in found.families
-        if None not in (one.peak_power_w, one.peak_acceleration_mm_s2)
+        (family.peak_power_w, family.peak_acceleration_mm_s2)
+        for family in found.families
+        if None not in (family.peak_power_w, family.peak_acceleration_mm_s2)
     ]
     family = np.array(known).reshape(-1, 2)
     shown_as = '<img alt="power against acceleration" style="max-width:100%" src="data:image/png;base64,{}">'
@@ -296,9 +298,9 @@ def _whole_machines(found: WholeMachines) -> Iterator[Markup]:
 def _balancing(balancing: Balancing) -> Iterator[Markup]:
     """Every part of the balance file under its name; of tables within, the command and its files have the rows."""
     for part, content in balancing_figures(balancing).items():
-        for one in content if isinstance(content, list) else [content]:
-            if isinstance(one, Mapping):
-                yield Markup("<p><b>{}</b></p>").format(part.replace("_", " ")) + figures(one)
+        for content_part in content if isinstance(content, list) else [content]:
+            if isinstance(content_part, Mapping):
+                yield Markup("<p><b>{}</b></p>").format(part.replace("_", " ")) + figures(content_part)
 
 
 @_pieces.register
@@ -307,11 +309,11 @@ def _design(design: Design) -> Iterator[Markup]:
 
 
 def _given(group: Model, above: str) -> Iterator[tuple[str, str]]:
-    for name in (one for one in type(group).model_fields if one in group.model_fields_set):
+    for name in (name for name in type(group).model_fields if name in group.model_fields_set):
         value, path = getattr(group, name), f"{above}{type(group).model_fields[name].alias or name}"
         several = value if isinstance(value, tuple) and value and isinstance(value[0], Model) else ()
-        for number, one in enumerate(several):
-            yield from _given(one, f"{path}.{number}.")
+        for number, item in enumerate(several):
+            yield from _given(item, f"{path}.{number}.")
         if isinstance(value, Model):
             yield from _given(value, f"{path}.")
         elif not several:

@@ -255,13 +255,17 @@ def page_data(scene: Scene, figures: Sequence[ChartFigure]) -> dict[str, Any]:
 
 def chart_data(figures: Sequence[ChartFigure]) -> dict[str, Any]:
     """The charts and their grids: angles that several lines share are there once, and lines name them by number."""
-    grids = {_grid_key(line, one.page_chart.period_deg): line for one in figures for line in one.page_chart.chart.lines}
+    grids = {
+        _grid_key(line, figure.page_chart.period_deg): line
+        for figure in figures
+        for line in figure.page_chart.chart.lines
+    }
     numbers = {key: number for number, key in enumerate(grids)}
     return {
         "grids": [
             {"period_deg": period, "deg": _rounded(line.x, ANGLE_DECIMALS)} for (_, period), line in grids.items()
         ],
-        "charts": [_chart(one, numbers) for one in figures],
+        "charts": [_chart(figure, numbers) for figure in figures],
     }
 
 

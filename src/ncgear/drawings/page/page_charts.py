@@ -50,7 +50,9 @@ def _strength(drive: Drive) -> list[Chart]:
         return []
     charts = teeth_charts.strength_charts(rating.strength, rating.weakest)
     # The page names the values of the first line.
-    return [replace(one, lines=tuple(sorted(one.lines, key=lambda line: line is not one.own))) for one in charts]
+    return [
+        replace(chart, lines=tuple(sorted(chart.lines, key=lambda line: line is not chart.own))) for chart in charts
+    ]
 
 
 def _pressure_angle(drive: Drive) -> Chart:

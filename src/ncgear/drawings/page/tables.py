@@ -49,7 +49,9 @@ def strength_tables(drive: Drive) -> list[Table]:
 
 def beside(title: str, sections: Mapping[str, Mapping[str, Any]]) -> Table:
     """The same figures of several sections side by side, without lists of teeth, which summary.json has."""
-    plain = [{key: value for key, value in one.items() if not isinstance(value, list)} for one in sections.values()]
+    plain = [
+        {key: value for key, value in section.items() if not isinstance(value, list)} for section in sections.values()
+    ]
     columns = [dict(labelled(section)) for section in plain]
     labels = dict.fromkeys(label for column in columns for label in column)
     heads = (Column(""), *map(Column, sections))
@@ -64,7 +66,7 @@ def sheet_tables(sheet: DataSheet) -> list[Table]:
 def _group(group: Group) -> Table:
     """A group as a table; a value of the pair fills two columns, and a cell without a value is empty."""
     heads = Column(""), Column("driving"), Column("driven"), Column("")
-    rows = [(one.label, *one.texts, one.unit) for one in group.entries]
+    rows = [(entry.label, *entry.texts, entry.unit) for entry in group.entries]
     return Table(group.title, heads, tuple(rows))
 
 

@@ -42,7 +42,7 @@ def train_scene(train: Train) -> dict[str, Any]:
     driving, (low, high) = np.linspace(0.0, train.cycle_rad, STEPS + 1), train.room_mm()
     (left, bottom), (width, height) = low.tolist(), (high - low).tolist()
     poses, size_mm = train.poses_at(driving), max(width, height)
-    shown = sorted(enumerate(train.parts), key=lambda one: one[1].low_mm)
+    shown = sorted(enumerate(train.parts), key=lambda numbered: numbered[1].low_mm)
     parts = "".join(body_svg(_body(train, part, number), TOLERANCE * size_mm) for number, part in shown)
     links = {
         f"part-{number}": {
@@ -97,9 +97,9 @@ def train_facts(answer: Answer) -> list[tuple[str, str]]:
 def train_advices(answer: Answer) -> list[dict[str, Any]]:
     """The faults of a train's answer as pages show pieces of advice."""
     words_only = {"changes": {}, "words": [], "command": ""}
-    cures = [[{"text": cure, **words_only} for cure in one.cures] for one in answer.faults]
+    cures = [[{"text": cure, **words_only} for cure in fault.cures] for fault in answer.faults]
     said = {"stage": "", "meaning": "", "matters": True}
-    return [{**said, "what": one.what, "remedies": of} for one, of in zip(answer.faults, cures, strict=True)]
+    return [{**said, "what": fault.what, "remedies": of} for fault, of in zip(answer.faults, cures, strict=True)]
 
 
 def train_page(train: Train, answer: Answer, figures: Mapping[str, Any], design_file: Path) -> bytes:
@@ -114,7 +114,7 @@ def train_page(train: Train, answer: Answer, figures: Mapping[str, Any], design_
             "verdict": verdict,
             "advices": [("", ToothLinks(), advices)],
             "has_gears": False,
-            "comparison": [_table(*one, figures) for one in TABLES if figures[one[1]]],
+            "comparison": [_table(*columns, figures) for columns in TABLES if figures[columns[1]]],
             "compared": "Contact",
             "speed": shown(abs(train.speed_rpm)),
             "text": design_file.read_text(encoding="utf-8"),
@@ -151,4 +151,4 @@ def _table(title: str, of: str, keys: Sequence[str], heads: tuple[Column, ...], 
             return round(1e3 * value, 2)
         return round(degrees(value), 1) if key.endswith("_rad") else value
 
-    return Table(title, heads, tuple(tuple(cell(key, one[key]) for key in keys) for one in figures[of]))
+    return Table(title, heads, tuple(tuple(cell(key, row[key]) for key in keys) for row in figures[of]))

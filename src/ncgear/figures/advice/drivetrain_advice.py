@@ -59,8 +59,8 @@ def of_bores(drive: Drive) -> Iterator[Advice]:
                 )
 
 
-def _least_safety(one: tuple[NamedShaft, ShaftResult | None]) -> float:
-    strong = one[1].shaft if one[1] else None
+def _least_safety(named: tuple[NamedShaft, ShaftResult | None]) -> float:
+    strong = named[1].shaft if named[1] else None
     return min(strong.fatigue, strong.yielding) if strong else inf
 
 
@@ -145,19 +145,19 @@ def _at_least(key: str, value: float) -> str:
 
 
 def _of_bearings(shaft: NamedShaft, found: ShaftResult, hours: float) -> Iterator[Advice]:
-    for letter, one in zip("ab", found.bearings or (), strict=False):
+    for letter, bearing in zip("ab", found.bearings or (), strict=False):
         which, key = f"bearing {letter} of the {shaft.words}", f"drivetrain.{shaft.key}.bearing_{letter}"
-        if one.life_h is not None and one.life_h < hours:
+        if bearing.life_h is not None and bearing.life_h < hours:
             yield _advice(
-                f"{which} lasts {five_digits(one.life_h)} h, and {five_digits(hours)} h are wanted",
-                _at_least(f"{key}.dynamic_rating_n", one.needed_rating_n),
+                f"{which} lasts {five_digits(bearing.life_h)} h, and {five_digits(hours)} h are wanted",
+                _at_least(f"{key}.dynamic_rating_n", bearing.needed_rating_n),
             )
-        if one.within_iso_281 is False:
+        if bearing.within_iso_281 is False:
             yield _advice(
                 f"the load of {which} is more than half its dynamic load rating, the limit of ISO 281",
-                _at_least(f"{key}.dynamic_rating_n", one.equivalent_n / MOST_OF_RATING),
+                _at_least(f"{key}.dynamic_rating_n", bearing.equivalent_n / MOST_OF_RATING),
             )
-        yield from _dented(shaft, letter, one.static_n, one.static_safety)
+        yield from _dented(shaft, letter, bearing.static_n, bearing.static_safety)
 
 
 def _dented(shaft: NamedShaft, letter: str, most_n: float, safety: float | None, when: str = "") -> Iterator[Advice]:
@@ -196,7 +196,7 @@ def _of_shaft(shaft: NamedShaft, found: ShaftResult) -> Iterator[Advice]:
 def _of_keys(named: Sequence[NamedShaft], found: Sequence[ShaftResult | None]) -> Iterator[NotJudged]:
     """The keys that work in their ways, of which the pressure tells too little, be it ever so low."""
     both = zip(named, found, strict=True)
-    turned = [one.words for one, shaft in both if shaft and shaft.key and shaft.key.both_senses]
+    turned = [named.words for named, shaft in both if shaft and shaft.key and shaft.key.both_senses]
     if turned:
         yield NotJudged(
             f"the torque of the {listed(turned, 'and')} changes its sense, for which the pressure on a key is no "
@@ -237,17 +237,20 @@ def _of_motor(drive: Drive, found: MotorResult, most: MotorResult) -> Iterator[A
         helps = told_words(fitting_geared(drive.design, [found] if found is most else [found, most]))
         first, *others = _motor_words(found, most, faults)
         yield _advice(first, helps, Kind.MOTOR)
-        yield from (_advice(one, kind=Kind.MOTOR) for one in others)
+        yield from (_advice(other, kind=Kind.MOTOR) for other in others)
 
 
 def _motor_words(found: MotorResult, most: MotorResult, faults: set[str]) -> Iterator[str]:
     """What a motor does not do, with its numbers, the most serious first."""
     given, course, peak = found.given, found.course, found.given.peak_torque_n_m
 
-    def gives(one: float, other: float) -> str:
+    def gives(value: float, other: float) -> str:
         if found is most:
-            return f"{to_digits(one, 4)} N m"
-        ends = f"{to_digits(one, 4)} N m without friction between the teeth", f"{to_digits(other, 4)} N m with the most"
+            return f"{to_digits(value, 4)} N m"
+        ends = (
+            f"{to_digits(value, 4)} N m without friction between the teeth",
+            f"{to_digits(other, 4)} N m with the most",
+        )
         return " and ".join(ends) + " there can be"
 
     if "stops" in faults:
@@ -269,13 +272,13 @@ def _motor_words(found: MotorResult, most: MotorResult, faults: set[str]) -> Ite
 
 def _of_pto(found: PowerTakeOffResult, most_n_m: float) -> Iterator[Advice]:
     if found.slips:
-        stops = any(one.end_rad is None for one in found.slips)
+        stops = any(slip.end_rad is None for slip in found.slips)
         says = "and stops the machine" if stops else "in every cycle"
         yield _advice(
             f"the torque limiter slips from phi1 = {placed(degrees(found.slips[0].start_rad))} deg on, {says}",
             _at_least("drivetrain.pto.torque_limiter_n_m", most_n_m),
         )
-    if found.runs_ahead and any(one.end_rad is None for one in found.runs_ahead):
+    if found.runs_ahead and any(run.end_rad is None for run in found.runs_ahead):
         yield _advice(
             "the machine runs ahead of its clutch and is not caught again within a cycle",
             "drivetrain.pto.overrunning_clutch: false",

@@ -57,7 +57,7 @@ def without_effect(drive: Drive) -> Iterator[Advice]:
             "it asks nothing of the law" if len(always) == 1 else "they ask nothing of the law",
             "give a narrower bound, or leave it out",
         )
-    yield from (_idle(*one) for one in (*_idle_sections(drive), *_idle_keys(drive)))
+    yield from (_idle(*given) for given in (*_idle_sections(drive), *_idle_keys(drive)))
 
 
 Idle = tuple[list[str], str, str]
@@ -113,13 +113,13 @@ def _idle_sections(drive: Drive) -> Iterator[Idle]:
         }
         helps = "give masses" if design.masses is None and not design.motion.is_open else "leave it out"
         found = [(simulated, next((words for words, true in why.items() if true), ""), helps)]
-    return (one for one in found if one[0] and one[1])
+    return (section for section in found if section[0] and section[1])
 
 
 def _idle_keys(drive: Drive) -> Iterator[Idle]:
     design, around = drive.design, drive.design.drivetrain
     rub, gears, masses = design.simulation.friction, design.gears, design.masses
-    shafts = {f"drivetrain.{one.key}": one.given for one in design.shafts if around}
+    shafts = {f"drivetrain.{shaft.key}": shaft.given for shaft in design.shafts if around}
     bearings = any(shaft and shaft.bearing_a for shaft in shafts.values())
     # With both shafts' bearings the load along the face width follows, unless its factor is given.
     along = bool(shafts) and all(shaft and shaft.bearing_a for shaft in shafts.values())
@@ -127,7 +127,7 @@ def _idle_keys(drive: Drive) -> Iterator[Idle]:
     motor, line = around.motor if around else None, design.simulation.motor
     made = design.tolerances
     of = {"tolerances.driving": made.driving, "tolerances.driven": made.driven} if made else {}
-    graded = {name: None in (one.single_pitch_mm, one.profile_mm) for name, one in of.items()}
+    graded = {name: None in (deviations.single_pitch_mm, deviations.profile_mm) for name, deviations in of.items()}
 
     def tell(why: str, helps: str, *keys: str) -> Iterator[Idle]:
         if given := [key for key in keys if is_given(design, key)]:
@@ -153,7 +153,7 @@ def _idle_keys(drive: Drive) -> Iterator[Idle]:
     if design.stages == 1 and masses and None not in (masses.driving_gear_kg_mm2, masses.driven_gear_kg_mm2):
         yield from tell("beside the inertias of both gears, which hold alone", "leave it out", "masses.density_kg_m3")
     if gears is not None:
-        plastic = any(isinstance(one.entry, Plastic) for one in choices_of(gears))
+        plastic = any(isinstance(choice.entry, Plastic) for choice in choices_of(gears))
         if not plastic or design.strength.lubrication == "oil":
             why = "with teeth in oil, which takes their heat away" if plastic else "with gears of metal"
             yield from tell(f"{why}: pauses cool dry or greased plastics only", "leave it out", "strength.duty_cycle")
@@ -294,7 +294,7 @@ def _kept_by_all(drive: Drive) -> list[str]:
             # Where the output is over driving angles is the law's choice
             asked = (wish.bound(CrankStretch(0.0, 2.0 * pi)),)
         # A position asks nothing where its tolerance is more than both strokes; what is pushed is a goal.
-        if not wish.pushed(drive.linkage) and all(_is_empty(drive, one) for one in asked):
+        if not wish.pushed(drive.linkage) and all(_is_empty(drive, key) for key in asked):
             found.append(wish.key)
     return found
 

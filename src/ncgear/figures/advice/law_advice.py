@@ -61,8 +61,10 @@ def speeds(drive: Drive) -> Advice | None:
         return None
     unit, facts = drive.linkage.OUTPUT.speed, drive.law.stroke.facts if drive.law.stroke else {}
     share, end = operating / law, f"_{unit.ending}"
-    given = {key.removesuffix(end): one for key, one in facts.items() if key.endswith(end) and isinstance(one, float)}
-    named = [f"{name} is {to_digits(share * one, 5)} {unit.text}" for name, one in given.items()]
+    given = {
+        key.removesuffix(end): fact for key, fact in facts.items() if key.endswith(end) and isinstance(fact, float)
+    }
+    named = [f"{name} is {to_digits(share * value, 5)} {unit.text}" for name, value in given.items()]
     held = " and ".join(named) or f"velocities are {to_digits(share, 3)} times as large"
     return Advice(
         Kind.SPEEDS,
@@ -169,13 +171,13 @@ def crank_pin(drive: Drive) -> list[Advice | NotJudged]:
         *(
             Advice(
                 Kind.CRANK_PIN,
-                f"a {drawn(2.0 * pin, 'mm')} mm crank pin touches the {one.standing.name}",
-                f"it passes {drawn(round(one.distance_mm, 2), 'mm')} mm from its middle",
-                (_thinner("crank pin", one.distance_mm - (one.standing.radius_mm or 0.0)),),
+                f"a {drawn(2.0 * pin, 'mm')} mm crank pin touches the {passing.standing.name}",
+                f"it passes {drawn(round(passing.distance_mm, 2), 'mm')} mm from its middle",
+                (_thinner("crank pin", passing.distance_mm - (passing.standing.radius_mm or 0.0)),),
             )
-            for one in drive.passings
-            if one.part == CRANK_PIN and not one.standing.about_driving_axis
-            if one.distance_mm < (one.standing.radius_mm or 0.0) + pin
+            for passing in drive.passings
+            if passing.part == CRANK_PIN and not passing.standing.about_driving_axis
+            if passing.distance_mm < (passing.standing.radius_mm or 0.0) + pin
         ),
         *_in_slot(drive, pin),
         *([NO_BORE] if unknown else []),
@@ -236,28 +238,28 @@ def rods(drive: Drive) -> list[Advice | NotJudged]:
     """
     fit = drive.design.fit
     found: list[Advice | NotJudged] = []
-    for one in drive.passings:
-        ends = fit is not None and fit.driving_shaft == "ends" and one.standing.about_driving_axis
-        room, half, radius = one.room_mm, one.half_mm or 0.0, one.standing.radius_mm
-        if one.part == CRANK_PIN or ends:
+    for passing in drive.passings:
+        ends = fit is not None and fit.driving_shaft == "ends" and passing.standing.about_driving_axis
+        room, half, radius = passing.room_mm, passing.half_mm or 0.0, passing.standing.radius_mm
+        if passing.part == CRANK_PIN or ends:
             continue
         if room is None or radius is None:
             found.append(NO_BORE)
             continue
-        if not one.meets:
+        if not passing.meets:
             continue
-        at, wide = degrees(one.phi1_rad), f"{drawn(2.0 * half, 'mm')} mm wide" if half else "however thin it is"
+        at, wide = degrees(passing.phi1_rad), f"{drawn(2.0 * half, 'mm')} mm wide" if half else "however thin it is"
         widest = drawn(floor(100.0 * room) / 100.0, "mm")
-        lower = f"make the {one.part} no wider than {widest} mm, or " if room > 0.01 else ""
+        lower = f"make the {passing.part} no wider than {widest} mm, or " if room > 0.01 else ""
         taken = f", and {drawn(radius, 'mm')} mm of it are taken" if radius else ""
-        words = f"{lower}let the {one.standing.name} end below the {one.part}"
+        words = f"{lower}let the {passing.standing.name} end below the {passing.part}"
         found.append(
             Advice(
                 Kind.ROD,
-                f"the {one.part} meets the {one.standing.name} at phi1 = {placed(at)} deg",
-                f"its middle passes the centre at {drawn(one.distance_mm, 'mm')} mm{taken}: a {one.part}, {wide}, "
-                "cannot pass there",
-                (_below(drive, words) if one.standing.about_driving_axis else Remedy(words),),
+                f"the {passing.part} meets the {passing.standing.name} at phi1 = {placed(at)} deg",
+                f"its middle passes the centre at {drawn(passing.distance_mm, 'mm')} mm{taken}: a {passing.part}, "
+                f"{wide}, cannot pass there",
+                (_below(drive, words) if passing.standing.about_driving_axis else Remedy(words),),
             )
         )
     return found
@@ -311,7 +313,9 @@ def stretches_in_words(stretches_deg: Sequence[tuple[float, float]], period_deg:
     One that goes on over the end of the period is one: 350..20.  What is too narrow for six decimals is left out,
     unless nothing else is there.
     """
-    told = [one for one in stretches_deg if fixed(one[0], MOST_DECIMALS) != fixed(one[1], MOST_DECIMALS)]
+    told = [
+        stretch for stretch in stretches_deg if fixed(stretch[0], MOST_DECIMALS) != fixed(stretch[1], MOST_DECIMALS)
+    ]
     told = told or list(stretches_deg)
     if len(told) > 1 and told[0][0] == 0.0 and isclose(told[-1][1], period_deg):
         told = [*told[1:-1], (told[-1][0], told[0][1])]

@@ -114,7 +114,7 @@ def _clears(drive: Drive, key: str, value: float, least_rad: float, end_rad: flo
     linkage, given = drive.linkage, lengths_of(drive.design.linkage)
     try:
         if given[linkage.STROKE_KEY] is None:
-            others = {name: one for name, one in given.items() if name != linkage.STROKE_KEY}
+            others = {name: value for name, value in given.items() if name != linkage.STROKE_KEY}
             changed: Mechanism = type(linkage).of_stroke(linkage.stroke_mm, **{**others, key: value})
         else:
             changed = replace(linkage, **{key: value})  # type: ignore[type-var]
@@ -206,7 +206,7 @@ def drawing(drive: Drive) -> Iterator[Advice]:
 
 def _of_unit(given: DxfContour, drawn_in: str, sides_mm: Sequence[float]) -> Advice:
     def size(unit: str) -> str:
-        return " by ".join(to_digits(UNIT_MM[unit] / given.unit_mm * one, 3) for one in sides_mm) + " mm"
+        return " by ".join(to_digits(UNIT_MM[unit] / given.unit_mm * side, 3) for side in sides_mm) + " mm"
 
     return _remark(
         f"the drawing names {drawn_in} as its unit, and motion.dxf.unit is {given.unit}: the contour is taken as about "

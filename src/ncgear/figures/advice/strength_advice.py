@@ -50,13 +50,13 @@ def strength(drive: Drive) -> Advice | NotJudged | None:
     if rating.holds:
         why = unfollowed_motion(rating) or _thin_body(drive)
         return NotJudged(why) if why else None
-    weak = [one for one in rating.weakest if not one.holds]
+    weak = [weakest for weakest in rating.weakest if not weakest.holds]
     first = worst(weak)
     at = degrees(first.phi1_rad)
     also = "".join(
-        f"; also {one.gear.value} gear, {one.damage.words}: {to_digits(one.safety, 2)} at tooth {one.tooth}"
-        for one in weak
-        if one is not first
+        f"; also {other.gear.value} gear, {other.damage.words}: {to_digits(other.safety, 2)} at tooth {other.tooth}"
+        for other in weak
+        if other is not first
     )
     load = LOADS["jam" if deciding_loads(drive, rating)[first.gear, first.damage] == "jam" else rating.strength.load]
     return Advice(
@@ -97,7 +97,7 @@ def pressed_in_time(drive: Drive, force_n: float) -> Advice | None:
             matters=False,
         )
     powers = {Damage.BENDING: 1.0, Damage.CONTACT: 0.5}
-    weakest = min(rating.weakest, key=lambda one: one.safety / one.wanted / times ** powers[one.damage])
+    weakest = min(rating.weakest, key=lambda tooth: tooth.safety / tooth.wanted / times ** powers[tooth.damage])
     safety = weakest.safety / times ** powers[weakest.damage]
     if times <= AS_MUCH or safety >= weakest.wanted:
         return None
@@ -187,7 +187,7 @@ def _roughly(drive: Drive, found: RoughStrength | None) -> Advice | NotJudged | 
 
 def _not_judged(drive: Drive, found: RoughStrength) -> NotJudged | None:
     """Why teeth that are not found too weak are not said to hold; None where they are."""
-    least = min(found.safeties, key=lambda one: one.safety / one.wanted, default=None)
+    least = min(found.safeties, key=lambda safety: safety.safety / safety.wanted, default=None)
     if found.unjudged and least is None:
         return NotJudged(found.unjudged)
     if found.unjudged and least is not None:
@@ -215,13 +215,17 @@ that is told roughly is larger by what this takes."""
 
 def _rough_remedies(drive: Drive, found: RoughStrength) -> tuple[Remedy, ...]:
     """Sizes by how stresses scale; `ncgear size` finds no sizes for teeth whose strength is not computed."""
-    short = [(one, SAFE_SIDE * one.wanted / one.safety) for one in found.safeties if one.safety < one.wanted]
-    wider = max(times ** (1.0 if one.damage is Damage.BENDING else 2.0) for one, times in short)
-    larger = max(times ** (0.5 if one.damage is Damage.BENDING else 1.0) for one, times in short)
-    sizes = tuple(replace(one, search=None) for one in _sizes(drive, wider, larger))
+    short = [
+        (safety, SAFE_SIDE * safety.wanted / safety.safety)
+        for safety in found.safeties
+        if safety.safety < safety.wanted
+    ]
+    wider = max(times ** (1.0 if safety.damage is Damage.BENDING else 2.0) for safety, times in short)
+    larger = max(times ** (0.5 if safety.damage is Damage.BENDING else 1.0) for safety, times in short)
+    sizes = tuple(replace(remedy, search=None) for remedy in _sizes(drive, wider, larger))
     if not found.unjudged:
         return sizes
-    return tuple(one for one in sizes if one.text != SIZE) or (TOGETHER,)
+    return tuple(remedy for remedy in sizes if remedy.text != SIZE) or (TOGETHER,)
 
 
 CROWNED = Remedy("crown the flanks along the width", search=RemedySearch.CROWNED)
@@ -259,7 +263,7 @@ def remedies(drive: Drive, rating: Rating, seconds: float = MOST_SECONDS) -> tup
     tried = list[Remedy | None]()
     with suppress(TimeIsOver), at_most(seconds):
         tried.extend(enough(search, drive, rating) for search in ENOUGH)
-    found = (replace(one, changes=in_file(drive.design, one.changes)) for one in tried if one)
+    found = (replace(remedy, changes=in_file(drive.design, remedy.changes)) for remedy in tried if remedy)
     left = (CUT.format(seconds=seconds),) if len(tried) < len(ENOUGH) else ()
     return (*found, _together(drive), *map(Remedy, left))
 
@@ -316,7 +320,7 @@ def _scuffing(film: Film, found: Surfaces, safety: float, wanted: float) -> Advi
 
 
 def _wear(wear: Wear, drive: Drive) -> Advice:
-    gear, deepest = max(zip(Gear, wear.depth_mm, strict=True), key=lambda one: one[1].value)
+    gear, deepest = max(zip(Gear, wear.depth_mm, strict=True), key=lambda figure: figure[1].value)
     worn = dict(zip(Gear, choices_of(drive.gears), strict=True))[gear].entry
     cures = [Remedy("let oil part the flanks")] if drive.conditions.lubrication == "dry" else []
     if isinstance(worn, Ferrous) and not worn.group.hardened:

@@ -82,7 +82,7 @@ def undercut(drive: Drive) -> Advice | None:
 
 def _judged(drive: Drive, told: Advice, named: str, shorter: list[DamagedTeeth]) -> Advice:
     """What is told of named teeth whose contact is shorter, as a remark where that costs hardly any contact."""
-    cost = sum(one.loss.contact_pitches for one in shorter)
+    cost = sum(tooth_loss.loss.contact_pitches for tooth_loss in shorter)
     if cost >= NEGLIGIBLE * drive.designed_contact.contact_ratio:
         return replace(told, meaning=f"{named}; {told.meaning}")
     share = to_digits(100.0 * NEGLIGIBLE, 2)
@@ -157,7 +157,7 @@ def _found(
 
 
 def _counted(found: list[DamagedTeeth]) -> str:
-    numbers = " and ".join(f"{len(one.teeth)} {one.gear}" for one in found)
+    numbers = " and ".join(f"{len(counted.teeth)} {counted.gear}" for counted in found)
     return f"{numbers} {'tooth' if numbers.startswith('1 ') and len(found) == 1 else 'teeth'}"
 
 
@@ -221,7 +221,7 @@ def thrust(drive: Drive) -> Advice | None:
     """The thrust of helical teeth along their axes; none where both shafts have bearings, which are judged with it."""
     helix, around = drive.helix, drive.design.drivetrain
     shafts = (around.driving_shaft, around.driven_shaft) if around else ()
-    if helix is None or not helix.thrust_share or (shafts and all(one and one.bearing_a for one in shafts)):
+    if helix is None or not helix.thrust_share or (shafts and all(shaft and shaft.bearing_a for shaft in shafts)):
         return None
     towards, away = ("growing", "falling") if helix.hand == "right" else ("falling", "growing")
     return Advice(
@@ -238,8 +238,11 @@ SPREAD = Remedy("smaller bends, or bends to both sides, spread the row")
 
 def room(drive: Drive) -> list[Advice]:
     """Gears of a row that do not mesh, and meet somewhere in the turn."""
-    meeting = (one for one in drive.whole.row_room if one.least_distance_mm <= 0.0)
-    names = ((f"{one.first} and {one.second}".replace("_", " "), placed(degrees(one.at_rad))) for one in meeting)
+    meeting = (distance for distance in drive.whole.row_room if distance.least_distance_mm <= 0.0)
+    names = (
+        (f"{distance.first} and {distance.second}".replace("_", " "), placed(degrees(distance.at_rad)))
+        for distance in meeting
+    )
     what = [f"{gears} meet at phi1 = {place} deg" for gears, place in names]
     return [Advice(Kind.ROOM, said, "the row cannot turn past there", (SPREAD,)) for said in what]
 
@@ -298,7 +301,11 @@ def index_holes(drive: Drive) -> Advice | NotJudged | None:
     names = " and ".join(gear.value for gear in lacking)
     what = f"no room for the index hole of the {names} gear{'s' if lacking[1:] else ''}"
     found = [room_for_index_hole(drive, gear) for gear in lacking]
-    room = [Remedy("make room for it", changed({key: one[key] for one in found for key in one}))] if all(found) else []
+    room = (
+        [Remedy("make room for it", changed({key: holes[key] for holes in found for key in holes}))]
+        if all(found)
+        else []
+    )
     without = Remedy("do without, and mark a tooth and its space by hand", (Change("gears.index_holes", value=False),))
     meaning = "nothing on them shows which teeth go together"
     return Advice(Kind.INDEX_HOLES, what, meaning, (*room, without))

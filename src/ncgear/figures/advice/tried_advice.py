@@ -43,8 +43,8 @@ def with_values(advice: Advice, again: Good, drive: Drive, seconds: float) -> Ad
     tried is left out.
     """
     ends, told = process_time() + seconds, []
-    for one in advice.remedies:
-        found = one if one.search is None else _valued(one, one.search, again, drive, ends - process_time())
+    for remedy in advice.remedies:
+        found = remedy if remedy.search is None else _valued(remedy, remedy.search, again, drive, ends - process_time())
         if found is not None:
             told.append(found)
     return replace(advice, remedies=tuple(told))
@@ -52,7 +52,7 @@ def with_values(advice: Advice, again: Good, drive: Drive, seconds: float) -> Ad
 
 def is_without_value(advice: Advice) -> bool:
     """Whether trials may tell more of a remedy."""
-    return any(one.search is not None for one in advice.remedies)
+    return any(remedy.search is not None for remedy in advice.remedies)
 
 
 def _valued(remedy: Remedy, search: RemedySearch, again: Good, drive: Drive, seconds: float) -> Remedy | None:

@@ -363,12 +363,12 @@ def judged(
     rows = []
     for kind, condition in CONDITIONS.items():
         also = tuple(advice for advice in found if advice.kind is kind)
-        for one in drive.by_stage if condition.of_pair else (drive,):
-            if condition.concerns(one):
-                row = _judged(one, kind, condition, known)
+        for pair in drive.by_stage if condition.of_pair else (drive,):
+            if condition.concerns(pair):
+                row = _judged(pair, kind, condition, known)
                 if any(map(tried_advice.is_without_value, row.advices)):
                     begun = process_time()
-                    row = _tried(one, row, condition.judge_of(kind), seconds)
+                    row = _tried(pair, row, condition.judge_of(kind), seconds)
                     seconds -= process_time() - begun
                 told = (_as_the_file_has_it(advice, drive.design) for advice in row.advices)
                 rows.append(replace(row, advices=(*told, *also)))
@@ -390,23 +390,25 @@ def _judged(drive: Drive, kind: Kind, condition: Condition, known: KnownParts) -
         if known is KnownParts.TEETH:
             raise
         return JudgedCondition(kind, stage, (), NO_CURVES)
-    advices = tuple(_within_what_is_asked(one, drive.design) for one in found if isinstance(one, Advice))
-    return JudgedCondition(kind, stage, advices, "; ".join(one.why for one in found if isinstance(one, NotJudged)))
+    advices = tuple(_within_what_is_asked(answer, drive.design) for answer in found if isinstance(answer, Advice))
+    return JudgedCondition(
+        kind, stage, advices, "; ".join(answer.why for answer in found if isinstance(answer, NotJudged))
+    )
 
 
 def _found(judge: Judge, drive: Drive) -> list[Advice | NotJudged]:
     found = judge(drive)
-    return [one for one in (found if isinstance(found, Iterable) else (found,)) if one is not None]
+    return [answer for answer in (found if isinstance(found, Iterable) else (found,)) if answer is not None]
 
 
 def _tried(drive: Drive, row: JudgedCondition, judge: Judge, seconds: float) -> JudgedCondition:
     """What was found of a pair, with the values of remedies that trials tell."""
 
     def again(changed: Drive) -> bool:
-        return not any(isinstance(one, Advice) and one.matters for one in _found(judge, changed))
+        return not any(isinstance(advice, Advice) and advice.matters for advice in _found(judge, changed))
 
-    advices = (tried_advice.with_values(one, again, drive, seconds) for one in row.advices)
-    return replace(row, advices=tuple(_within_what_is_asked(one, drive.design) for one in advices))
+    advices = (tried_advice.with_values(advice, again, drive, seconds) for advice in row.advices)
+    return replace(row, advices=tuple(_within_what_is_asked(advice, drive.design) for advice in advices))
 
 
 def _within_what_is_asked(advice: Advice, design: Design) -> Advice:
@@ -425,7 +427,7 @@ def _within_what_is_asked(advice: Advice, design: Design) -> Advice:
 
 def _as_the_file_has_it(advice: Advice, design: Design) -> Advice:
     """The advice with the keys of the file in its remedies."""
-    remedies = (replace(one, changes=in_file(design, one.changes)) for one in advice.remedies)
+    remedies = (replace(remedy, changes=in_file(design, remedy.changes)) for remedy in advice.remedies)
     return replace(advice, remedies=tuple(remedies))
 
 

@@ -167,16 +167,16 @@ def _wrapped(text: str, indent: str = "") -> list[str]:
 def _aligned(answer: Answer) -> list[str]:
     """The rows with columns below their heads, what comes after the columns to the left; then those with one text."""
     count = len(answer.heads)
-    columns = [one for one in answer.rows if len(one.texts) > 1]
-    alone = [one for one in answer.rows if len(one.texts) == 1]
-    cells = [("", *answer.heads), *((one.name, *one.texts[:count]) for one in columns)] if columns else []
-    after = ["", *("".join(f"{GAP}{text}" for text in one.texts[count:]) for one in columns)]
+    columns = [row for row in answer.rows if len(row.texts) > 1]
+    alone = [row for row in answer.rows if len(row.texts) == 1]
+    cells = [("", *answer.heads), *((row.name, *row.texts[:count]) for row in columns)] if columns else []
+    after = ["", *("".join(f"{GAP}{text}" for text in row.texts[count:]) for row in columns)]
     lines = [f"{line}{more}".rstrip() for line, more in zip(aligned(cells, left=1), after, strict=False)]
-    start = max((len(one.name) for one in alone), default=0)
-    for one in alone:
-        name = f"{INDENT}{one.name:{start}}{GAP}" if one.name else INDENT
+    start = max((len(row.name) for row in alone), default=0)
+    for row in alone:
+        name = f"{INDENT}{row.name:{start}}{GAP}" if row.name else INDENT
         lines += wrap(
-            one.texts[0], COLUMNS, initial_indent=name, subsequent_indent=" " * max(len(name), 2 * len(INDENT))
+            row.texts[0], COLUMNS, initial_indent=name, subsequent_indent=" " * max(len(name), 2 * len(INDENT))
         )
     return lines
 

@@ -63,16 +63,16 @@ def _in_unit(best: BestLaw, goal: float) -> str:
 
 def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
     rack = best.wishes.limits.rack_angle_rad
-    told, above = [best_law.summary_of(one, best) for one in found], f" above order {best.task.harmonics_above}"
+    told, above = [best_law.summary_of(figures, best) for figures in found], f" above order {best.task.harmonics_above}"
     rows = [
-        Row(name_of(key) + above * ("harmonics" in key), tuple(figure(key, one.get(key)) for one in told))
+        Row(name_of(key) + above * ("harmonics" in key), tuple(figure(key, figures.get(key)) for figures in told))
         for key in best_law.in_units_of(dict.fromkeys(["peak_power_w", "peak_acceleration_mm_s2", *_asked(best)]), best)
     ]
-    rows.append(Row("ratio", tuple(f"{fixed(one.ratio_min, 3)} to {fixed(one.ratio_max, 3)}" for one in found)))
-    rows.append(row("max_pressure_angle_deg", *(degrees(one.tangent_rad + rack) for one in found)))
-    rows.append(row("convex", *(one.convex for one in found)))
+    rows.append(Row("ratio", tuple(f"{fixed(law.ratio_min, 3)} to {fixed(law.ratio_max, 3)}" for law in found)))
+    rows.append(row("max_pressure_angle_deg", *(degrees(law.tangent_rad + rack) for law in found)))
+    rows.append(row("convex", *(law.convex for law in found)))
     rows += [
-        row(key, *(best_law.felt(key, one) for one in found))
+        row(key, *(best_law.felt(key, law) for law in found))
         for key in best_law.FELT
         if best_law.felt(key, best.figures) is not None
     ]
@@ -156,8 +156,11 @@ def frontier_answer(found: Frontier, beside: SoughtMachine, then: str) -> Answer
         texts = figure(key, limit), figure(key, law), gap, figure(key, family.peak_acceleration_mm_s2)
         rows.append(Row(f"under {figure('power_cap_w', point.cap_w)}", texts))
     rows += [
-        Row(one.name, (f"{figure('peak_power_w', one.peak_power_w)}, {figure(key, one.peak_acceleration_mm_s2)}",))
-        for one in best_law.other_mechanisms(beside)
+        Row(
+            mechanism.name,
+            (f"{figure('peak_power_w', mechanism.peak_power_w)}, {figure(key, mechanism.peak_acceleration_mm_s2)}",),
+        )
+        for mechanism in best_law.other_mechanisms(beside)
     ]
     rows += _without_masses(beside)
     certified = "the limit counts hard wishes alone" if beside.soft else "no law goes below the limit"
@@ -175,12 +178,15 @@ def frontier_answer(found: Frontier, beside: SoughtMachine, then: str) -> Answer
 def flywheel_answer(found: Sequence[FlywheelPoint], design: Design) -> Answer:
     """Least power with every size of the flywheel on the driven shaft."""
     rows = []
-    for one in found:
-        gap = f"{fixed(100.0 * (one.law.peak_power_w / one.limit_w - 1.0), 1)} %" if one.limit_w > 0.0 else "-"
-        powers = [figure("peak_power_w", power) for power in (one.limit_w, one.law.peak_power_w)]
-        braking, ratio = one.law.braking_power_w, f"{fixed(one.law.ratio_min, 3)} to {fixed(one.law.ratio_max, 3)}"
+    for point in found:
+        gap = f"{fixed(100.0 * (point.law.peak_power_w / point.limit_w - 1.0), 1)} %" if point.limit_w > 0.0 else "-"
+        powers = [figure("peak_power_w", power) for power in (point.limit_w, point.law.peak_power_w)]
+        braking, ratio = (
+            point.law.braking_power_w,
+            f"{fixed(point.law.ratio_min, 3)} to {fixed(point.law.ratio_max, 3)}",
+        )
         texts = (*powers, gap, figure("braking_power_w", braking), ratio)
-        rows.append(Row(figure("driven_flywheel_kg_m2", KG_M2 * one.flywheel_kg_mm2), texts))
+        rows.append(Row(figure("driven_flywheel_kg_m2", KG_M2 * point.flywheel_kg_mm2), texts))
     return Answer(
         f"{design.name}: least power with a flywheel on the driven shaft, at {design.operation.speed_rpm:g} r/min",
         tuple(rows),

@@ -41,7 +41,7 @@ def check_answer(drive: Drive, verdict: Verdict, file: str, notes: tuple[str, ..
 
 def build_answer(drive: Drive, verdict: Verdict, then: str, notes: tuple[str, ...] = ()) -> Answer:
     """What a build found; ``verdict`` is the verdict on all pairs, ``then`` is what to do next."""
-    gears = [one for pair in drive.by_stage for one in _gears(pair)]
+    gears = [gear for pair in drive.by_stage for gear in _gears(pair)]
     return _answer(drive, (*gears, *_published(drive), *_motion(drive), *_ratios(drive)[:1]), verdict, then, notes)
 
 
@@ -81,7 +81,7 @@ IN_FULL = ("rms_torque_n_m", "energy_swing_j")
 def compared_rows(drive: Drive) -> list[Row]:
     """The peaks of the machine beside the peaks of the same machine with an even crank, at equal driving speed."""
     returns = drive.linkage.RETURNS
-    own, uniform = (peak_figures(one, returns=returns) for one in (drive.check, drive.uniform_check))
+    own, uniform = (peak_figures(check, returns=returns) for check in (drive.check, drive.uniform_check))
     powered = _is_powered(drive)
     rows = [
         Row(name_of(key), (*row(key, own[key], uniform[key]).texts, difference(own[key], uniform[key])))
@@ -89,8 +89,8 @@ def compared_rows(drive: Drive) -> list[Row]:
         if not key.endswith("_at_rad") and key not in IN_FULL and (powered or not key.endswith("_power_w"))
     ]
     # Where the largest acceleration is in the working stroke, its own row would say the same once more.
-    texts = [one.texts for one in rows]
-    told = [one for place, one in enumerate(rows) if one.texts not in texts[place + 1 :]]
+    texts = [row.texts for row in rows]
+    told = [row for place, row in enumerate(rows) if row.texts not in texts[place + 1 :]]
     return [*told, *(Row(name, (text,)) for name, text in _masses(drive))]
 
 
@@ -99,13 +99,15 @@ def _masses(drive: Drive) -> Facts:
 
 
 def _published(drive: Drive) -> list[Row]:
-    found = [one for one in comparison_rows(drive)[2:] if one["same_speed"] and one["peak_power_w"] is not None]
+    found = [
+        design for design in comparison_rows(drive)[2:] if design["same_speed"] and design["peak_power_w"] is not None
+    ]
     own = drive.check.peak_power_resistance_w.value
     alone, rows = " of the resistance alone" if drive.check.with_masses else "", []
-    for one in found[:PUBLISHED]:
-        power = one["peak_power_w"]
+    for design in found[:PUBLISHED]:
+        power = design["peak_power_w"]
         text = f"{name_of('peak_power_w')} {figure('peak_power_w', power)} at equal speed; this design's{alone}"
-        rows.append(Row(in_one_line(str(one["name"]), 24), (f"{text}: {difference(own, power)}",)))
+        rows.append(Row(in_one_line(str(design["name"]), 24), (f"{text}: {difference(own, power)}",)))
     return rows
 
 
@@ -126,7 +128,7 @@ def _motion(drive: Drive) -> list[Row]:
     if found is None:
         return []
     rows = [Row(name, (text,)) for name, text in motion_facts(found, drive.linkage)]
-    wishes = sorted(wish_rows(found), key=lambda one: bool(one["kept"]))
+    wishes = sorted(wish_rows(found), key=lambda wish: bool(wish["kept"]))
     told = wishes if len(wishes) <= WISHES else wishes[: WISHES - 1]
     # Where a line has no room for it, by how much a wish is missed follows from what is wished
     lines = (
@@ -135,7 +137,7 @@ def _motion(drive: Drive) -> list[Row]:
     )
     rows += [Row("", (line,)) for line in lines]
     if len(told) < len(wishes):
-        rows.append(Row("", (f"of all {len(wishes)} wishes {sum(one['kept'] for one in wishes)} are kept",)))
+        rows.append(Row("", (f"of all {len(wishes)} wishes {sum(wish['kept'] for wish in wishes)} are kept",)))
     return rows
 
 
@@ -192,7 +194,10 @@ def safeties(drive: Drive) -> list[tuple[str, str, str]] | None:
     """
     rating = known_rating(drive)
     if isinstance(rating, Rating):
-        told = [(one.damage.words, one.share, to_digits(one.safety, 3), one.wanted) for one in rating.weakest]
+        told = [
+            (weakest.damage.words, weakest.share, to_digits(weakest.safety, 3), weakest.wanted)
+            for weakest in rating.weakest
+        ]
     else:
         found = beside_refusal(drive, rating)
         if found is None:
@@ -200,10 +205,17 @@ def safeties(drive: Drive) -> list[tuple[str, str, str]] | None:
         if not found.safeties or found.needs_teeth:
             return []
         told = [
-            (rough_damage(found, one), one.safety / one.wanted, f"about {to_digits(one.safety, 2)}", one.wanted)
-            for one in found.safeties
+            (
+                rough_damage(found, safety),
+                safety.safety / safety.wanted,
+                f"about {to_digits(safety.safety, 2)}",
+                safety.wanted,
+            )
+            for safety in found.safeties
         ]
-    least = [min((one for one in told if one[0] == damage), key=itemgetter(1)) for damage, *_ in dict.fromkeys(told)]
+    least = [
+        min((safety for safety in told if safety[0] == damage), key=itemgetter(1)) for damage, *_ in dict.fromkeys(told)
+    ]
     return [(damage, safety, f"{wanted:g}") for damage, _, safety, wanted in dict.fromkeys(least)]
 
 

@@ -71,8 +71,8 @@ def simulated_answer(drive: Drive, level: Level, figures: Mapping[str, Any], ver
         case Level.QUASI_STATIC:
             loaded, band = figures["loaded_contact"], figures["band_of_stiffness"]
             beside = [*band.values()] if drive.design.stages == 1 else []
-            heads = "as computed", *(f"stiffness x {one['stiffness_factor']:g}" for one in beside)
-            rows = [Row(name_of(key), tuple(_of_all(one, key) for one in (loaded, *beside))) for key in IN_BAND]
+            heads = "as computed", *(f"stiffness x {band['stiffness_factor']:g}" for band in beside)
+            rows = [Row(name_of(key), tuple(_of_all(level, key) for level in (loaded, *beside))) for key in IN_BAND]
             rows += [Row(name_of(key), (_of_all(loaded, key),)) for key in LOADED] + _not_followed(band)
         case Level.DYNAMIC:
             moved = figures["motion_in_time"]
@@ -99,15 +99,15 @@ def simulated_answer(drive: Drive, level: Level, figures: Mapping[str, Any], ver
 def _of_all(found: Mapping[str, Any], key: str) -> str:
     """A figure of the whole, or else of each pair in series; empty where there is neither."""
     told = [found] if key in found else found.get("pairs", [])
-    return ", ".join(figure(key, one[key]) for one in told)
+    return ", ".join(figure(key, level[key]) for level in told)
 
 
 def _not_followed(band: Mapping[str, Any]) -> list[Row]:
     """What is said of a band of stiffness that could not be computed to one side."""
     return [
-        Row("band", (f"with {one['stiffness_factor']:g} times their stiffness the teeth cannot be followed",))
-        for one in band.values()
-        if "not_followed" in one
+        Row("band", (f"with {level['stiffness_factor']:g} times their stiffness the teeth cannot be followed",))
+        for level in band.values()
+        if "not_followed" in level
     ]
 
 
@@ -149,11 +149,11 @@ def _around(found: Mapping[str, Any]) -> list[Row]:
     losses, power = found["losses"], "mean_power_with_tooth_friction_w"
     named = {name.replace("_", " "): shaft for name, shaft in found.items() if "shaft" in name}
     shafts = [*named.values()]
-    bearings = [one for shaft in shafts for name, one in shaft.items() if name.startswith("bearing")]
-    lives = [one["life_h"] for one in bearings if one["life_h"] is not None]
+    bearings = [bearing for shaft in shafts for name, bearing in shaft.items() if name.startswith("bearing")]
+    lives = [bearing["life_h"] for bearing in bearings if bearing["life_h"] is not None]
     strong = [shaft["estimate_of_shaft"] for shaft in shafts if "estimate_of_shaft" in shaft]
     strong += [shaft["jam"] for shaft in shafts if "jam" in shaft]
-    safeties = [one[key] for one in strong for key in ("fatigue_safety", "yield_safety") if one.get(key) is not None]
+    safeties = [part[key] for part in strong for key in ("fatigue_safety", "yield_safety") if part.get(key) is not None]
     said = [f"bearings last {figure('life_h', min(lives))} or more"] if lives else []
     said += [f"shaft safety {figure('safety', min(safeties))}"] if safeties else []
     if "motor" in found:

@@ -46,16 +46,16 @@ def strength_answer(
     for pair, rating, remedies, other, worn in pairs:
         rows += _rows(pair.of, rating, other)
         cures = [remedy.brief for remedy in remedies]
-        under = sorted((one for one in rating.weakest if not one.holds), key=lambda one: one.share)
-        for one in under:
-            what = f"{pair.of}{one.gear.value} gear, {one.damage.words}: {teeth_words(one.too_weak)}"
+        under = sorted((weakest for weakest in rating.weakest if not weakest.holds), key=lambda weakest: weakest.share)
+        for weakest in under:
+            what = f"{pair.of}{weakest.gear.value} gear, {weakest.damage.words}: {teeth_words(weakest.too_weak)}"
             # Each remedy helps all teeth of its pair
-            weak.append((one.share, Fault(what, tuple(cures) if one is under[0] else ())))
+            weak.append((weakest.share, Fault(what, tuple(cures) if weakest is under[0] else ())))
         about += _about(pair, rating)
         lasting += [Row(f"{pair.of}{name}", (words,)) for name, words in worn_rows(pair, worn)]
         worn_out += [] if under else [Fault(f"{pair.of}{fault}") for fault in worn_fault(worn)]
     design = drive.design
-    faults = [*told_once(fault for _, fault in sorted(weak, key=lambda one: one[0])), *worn_out]
+    faults = [*told_once(fault for _, fault in sorted(weak, key=lambda ranked: ranked[0])), *worn_out]
     others = faults_of(verdict.without(Kind.STRENGTH))
     judged = all(row.state is not State.NOT_JUDGED for row in verdict.rows if row.kind is Kind.STRENGTH)
     held = strong.holding_words(wears=any(rating.strength.wears for _, rating, *_ in pairs), judged=judged)
@@ -75,8 +75,8 @@ def strength_answer(
 
 def _rows(of: str, rating: Rating, beside: Rating | None) -> list[Row]:
     found = []
-    for place, one in enumerate(rating.weakest):
-        gear, damage, *cells = strong.weakest_cells(one, rating.strength.wears)
+    for place, weakest in enumerate(rating.weakest):
+        gear, damage, *cells = strong.weakest_cells(weakest, rating.strength.wears)
         if beside is not None:
             cells.insert(1, to_digits(beside.weakest[place].safety, 3))
         found.append(Row(f"{of}{gear}, {damage}", tuple(cells)))
@@ -141,13 +141,13 @@ def sized_answer(
     with herringbone teeth, where these were looked for.
     """
     first = found[0]
-    smaller = any(one.volume_mm3 < first.volume_mm3 for one in found)
+    smaller = any(sized.volume_mm3 < first.volume_mm3 for sized in found)
     design, strength, lead = first.drive.design, first.rating.strength, first.drive.told_face_load_by("estimate")
-    wanted = dict.fromkeys(f"{one.wanted:g} against {one.damage.words}" for one in first.rating.weakest)
+    wanted = dict.fromkeys(f"{weakest.wanted:g} against {weakest.damage.words}" for weakest in first.rating.weakest)
     failing = dict[Advice, list[str]]()
-    for one in (*found, *([herringbone] if isinstance(herringbone, Sized) else [])):
-        for told in parts_that_fail(one):
-            failing.setdefault(told, []).append(f"{one.module_mm:g}")
+    for sized in (*found, *([herringbone] if isinstance(herringbone, Sized) else [])):
+        for told in parts_that_fail(sized):
+            failing.setdefault(told, []).append(f"{sized.module_mm:g}")
     faults = [
         Fault(f"module {listed(modules, 'and')} mm: {told.what}", tuple(remedy.brief for remedy in told.remedies))
         for told, modules in failing.items()
@@ -185,80 +185,80 @@ def worn_figures(drive: Drive, found: Sequence[Worn]) -> dict[str, Any]:
     """A section for each time, with the keys of new gears; ``ended`` says why no gears are left."""
     place = drive.linkage.OUTPUT.place
     told: dict[str, Any] = {}
-    for one in found:
-        section: dict[str, Any] = {"worn_h": one.hours, "depth_max_mm": one.depth_mm, "backlash_mm": one.backlash_mm}
-        if one.rating is None:
-            section["ended"] = one.why
+    for worn in found:
+        section: dict[str, Any] = {"worn_h": worn.hours, "depth_max_mm": worn.depth_mm, "backlash_mm": worn.backlash_mm}
+        if worn.rating is None:
+            section["ended"] = worn.why
         else:
-            free = {f"free_way_{place.ending}": place.factor * one.free} if one.free else {}
-            strength = one.rating.strength
+            free = {f"free_way_{place.ending}": place.factor * worn.free} if worn.free else {}
+            strength = worn.rating.strength
             least = {
                 f"{damage.value}_safety_min": known(most) for damage, most in strong.least_safeties(strength).items()
             }
-            section |= free | strong.knock_figures(one.rating.loading.knocks)
+            section |= free | strong.knock_figures(worn.rating.loading.knocks)
             section |= {"peak_tooth_force_n": strength.peak_pair_n, **least}
-        told[f"after_{round(one.hours)}_h"] = section
+        told[f"after_{round(worn.hours)}_h"] = section
     return {"worn": told}
 
 
 def worn_rows(drive: Drive, found: Sequence[Worn]) -> list[tuple[str, str]]:
     """The same in a line for each time."""
     output, rows = drive.linkage.OUTPUT, list[tuple[str, str]]()
-    for one in found:
-        words = f"{to_digits(one.depth_mm, 2)} mm off the flanks, backlash {to_digits(one.backlash_mm, 2)} mm, "
-        if one.rating is None:
-            words += f"no gears any more: {one.why}"
+    for worn in found:
+        words = f"{to_digits(worn.depth_mm, 2)} mm off the flanks, backlash {to_digits(worn.backlash_mm, 2)} mm, "
+        if worn.rating is None:
+            words += f"no gears any more: {worn.why}"
         else:
-            free, knocks = to_digits(output.place.factor * one.free, 2), strong.knock_words(one.rating.loading.knocks)
-            words += f"{output.name} free by {free} {output.place.text}; up to " if one.free else "up to "
-            words += f"{figure('force_n', one.rating.strength.peak_pair_n)} on one pair of teeth, safety "
-            words += strong.least_words(one.rating.strength) + (f"; knocks {knocks}" if knocks else "")
-        rows.append((f"after {hours_words(one.hours)}", words))
+            free, knocks = to_digits(output.place.factor * worn.free, 2), strong.knock_words(worn.rating.loading.knocks)
+            words += f"{output.name} free by {free} {output.place.text}; up to " if worn.free else "up to "
+            words += f"{figure('force_n', worn.rating.strength.peak_pair_n)} on one pair of teeth, safety "
+            words += strong.least_words(worn.rating.strength) + (f"; knocks {knocks}" if knocks else "")
+        rows.append((f"after {hours_words(worn.hours)}", words))
     return rows
 
 
 def worn_fault(found: Sequence[Worn]) -> list[str]:
     """When worn gears are under a wanted safety first, and which one; empty where they never are."""
-    for one in found:
-        if one.rating is None:
-            return [f"worn away after {hours_words(one.hours)}: {one.why}"]
-        least = min(one.rating.weakest, key=lambda weak: weak.share)
+    for worn in found:
+        if worn.rating is None:
+            return [f"worn away after {hours_words(worn.hours)}: {worn.why}"]
+        least = min(worn.rating.weakest, key=lambda weak: weak.share)
         if not least.holds:
             safety = f"safety {to_digits(least.safety, 3)}, {least.wanted:g} wanted"
-            return [f"worn for {hours_words(one.hours)}, {least.gear.value} gear, {least.damage.words}: {safety}"]
+            return [f"worn for {hours_words(worn.hours)}, {least.gear.value} gear, {least.damage.words}: {safety}"]
     return []
 
 
 SUFFIX = "-sized"
 
 
-def sized_row(one: Sized) -> list[str]:
+def sized_row(sized: Sized) -> list[str]:
     """The texts: module, teeth, face width, centre distance, diameter, both safeties, the weakest tooth."""
-    size, weak = one.drive.pitch.size, worst(one.rating.weakest)
+    size, weak = sized.drive.pitch.size, worst(sized.rating.weakest)
     least = [
-        min((each.safety for each in one.rating.weakest if each.damage is damage), default=None) for damage in Damage
+        min((each.safety for each in sized.rating.weakest if each.damage is damage), default=None) for damage in Damage
     ]
     return [
         f"{size.module_mm:g}",
         f"{size.driving_teeth}:{size.driven_teeth}",
-        f"{one.face_width_mm:g}",
+        f"{sized.face_width_mm:g}",
         shown(round(size.center_distance_mm, 2)),
-        shown(round(one.diameter_mm, 1)),
+        shown(round(sized.diameter_mm, 1)),
         *("-" if safety is None else to_digits(safety, 3) for safety in least),
         f"{weak.gear.value} {weak.tooth}",
     ]
 
 
-def parts_that_fail(one: Sized) -> list[Advice]:
+def parts_that_fail(sized: Sized) -> list[Advice]:
     """What of shafts, keys, bearings and couplings around the gears does not hold with them."""
-    if one.drive.design.drivetrain is None:
+    if sized.drive.design.drivetrain is None:
         return []
-    return [told for told in around(one.drive) if isinstance(told, Advice) and told.matters]
+    return [told for told in around(sized.drive) if isinstance(told, Advice) and told.matters]
 
 
 def in_order(found: Sequence[Sized]) -> list[Sized]:
     """The smallest gears first around which all holds, then the others, each in their order."""
-    return sorted(found, key=lambda one: bool(parts_that_fail(one)))
+    return sorted(found, key=lambda sized: bool(parts_that_fail(sized)))
 
 
 def sized_figures(found: Sequence[Sized], herringbone: Sized | None = None) -> dict[str, Any]:
@@ -268,7 +268,7 @@ def sized_figures(found: Sequence[Sized], herringbone: Sized | None = None) -> d
     """
     first = found[0]
     design, rating = first.drive.design, first.rating
-    wanted = strong.of_weakest(rating, lambda one: {"safety_wanted": one.wanted})
+    wanted = strong.of_weakest(rating, lambda weakest: {"safety_wanted": weakest.wanted})
     materials = {
         gear.value: {"material": rating.strength.of(gear).material.name, **wanted[gear.value]} for gear in Gear
     }
@@ -276,26 +276,28 @@ def sized_figures(found: Sequence[Sized], herringbone: Sized | None = None) -> d
         "design": {"name": design.name, "description": design.description},
         "load": {"speed_rpm": design.operation.speed_rpm},
         **materials,
-        "smallest": [_sizes(one) for one in found],
+        "smallest": [_sizes(sized) for sized in found],
         **({"herringbone": _sizes(herringbone)} if herringbone else {}),
     }
 
 
-def _sizes(one: Sized) -> dict[str, Any]:
+def _sizes(sized: Sized) -> dict[str, Any]:
     return {
-        **figures_of(one.drive, "module_mm", "teeth_driving", "teeth_driven", "face_width_mm", "center_distance_mm"),
-        "largest_diameter_mm": one.diameter_mm,
-        "strength": strong.strength_summary(one.rating, one.drive),
-        "parts_that_fail": [told.what for told in parts_that_fail(one)],
-        "keys": dict(one.changes),
+        **figures_of(sized.drive, "module_mm", "teeth_driving", "teeth_driven", "face_width_mm", "center_distance_mm"),
+        "largest_diameter_mm": sized.diameter_mm,
+        "strength": strong.strength_summary(sized.rating, sized.drive),
+        "parts_that_fail": [told.what for told in parts_that_fail(sized)],
+        "keys": dict(sized.changes),
     }
 
 
-def sized_design(loaded: LoadedDesign, one: Sized, asked: dict[str, float | str]) -> str:
+def sized_design(loaded: LoadedDesign, sized: Sized, asked: dict[str, float | str]) -> str:
     """The text of a design file with other gears and with what was asked for, its name and description saying so."""
     design = loaded.design
-    chosen = {key: whole(value) if isinstance(value, float) else value for key, value in (asked | one.changes).items()}
+    chosen = {
+        key: whole(value) if isinstance(value, float) else value for key, value in (asked | sized.changes).items()
+    }
     keys = listed(map(str, in_file(design, changed(chosen))), "and")
     said = f"Sized: {design.name} with {keys}, so that its teeth hold."
     values = {**chosen, **dict.fromkeys(stated_inertias(design))}
-    return told_copy(loaded, SUFFIX, said, {design.key_in_file(key) or key: one for key, one in values.items()})
+    return told_copy(loaded, SUFFIX, said, {design.key_in_file(key) or key: value for key, value in values.items()})

@@ -34,7 +34,7 @@ def gear_figures(balancing: Balancing) -> dict[str, Any]:
     """Both gears as designed and as corrected."""
     asked = balancing.balance.gears
     assert asked is not None
-    return {gear: _gear(one, asked.grade) for gear, one in balancing.gears.items()}
+    return {gear: _gear(balanced, asked.grade) for gear, balanced in balancing.gears.items()}
 
 
 def _gear(gear: BalancedGear, grade: float) -> dict[str, Any]:
@@ -164,8 +164,8 @@ NAMED = 3
 def balance_answer(figures: Mapping[str, Any]) -> Answer:
     """How much each part shakes and what would stop it, and what is near a natural frequency."""
     rows, faults = list[Row](), list[Fault]()
-    for one in figures.get("mechanisms", []):
-        rows += _mechanism(one)
+    for mechanism in figures.get("mechanisms", []):
+        rows += _mechanism(mechanism)
     for part, told in ROWS.items():
         if part in figures:
             rows += told(figures[part])
@@ -178,7 +178,9 @@ def balance_answer(figures: Mapping[str, Any]) -> Answer:
         tuple(faults),
         heads=HEADS,
         good="No frequency is near a natural one." if excitations else "",
-        then="move a speed or a stiffness; campbell.png shows where" if any(one["near"] for one in excitations) else "",
+        then="move a speed or a stiffness; campbell.png shows where"
+        if any(source["near"] for source in excitations)
+        else "",
     )
 
 
@@ -229,12 +231,14 @@ def _chassis(found: Mapping[str, Any]) -> Iterator[Row]:
 
 
 def _gears(found: Mapping[str, Any]) -> Iterator[Row]:
-    for gear, one in found.items():
+    for gear, balanced in found.items():
         key = "unbalance_kg_mm"
-        said = f"unbalance {figure(key, one[key])}, {figure(key, one['permissible_kg_mm'])} permissible"
-        if "corrected" in one:
-            holes = len(one["corrected"]["holes"])
-            said += f"; {holes} holes leave {figure(key, one['corrected'][key])}" if holes else "; a boss cancels it"
+        said = f"unbalance {figure(key, balanced[key])}, {figure(key, balanced['permissible_kg_mm'])} permissible"
+        if "corrected" in balanced:
+            holes = len(balanced["corrected"]["holes"])
+            said += (
+                f"; {holes} holes leave {figure(key, balanced['corrected'][key])}" if holes else "; a boss cancels it"
+            )
         yield Row(f"{gear} gear", (said,))
 
 
@@ -245,12 +249,15 @@ def _rotor(found: Mapping[str, Any]) -> Iterator[Row]:
 
 
 def _chain(found: Mapping[str, Any]) -> Iterator[Row]:
-    for one in found["predictions"][:NAMED]:
-        said = f"amplitude {to_digits(one['predicted_amplitude'], 3)} expected"
-        if "correction_g" in one:
-            correction = figure("correction_g", one["correction_g"]), figure("angle_deg", one["correction_deg"])
+    for prediction in found["predictions"][:NAMED]:
+        said = f"amplitude {to_digits(prediction['predicted_amplitude'], 3)} expected"
+        if "correction_g" in prediction:
+            correction = (
+                figure("correction_g", prediction["correction_g"]),
+                figure("angle_deg", prediction["correction_deg"]),
+            )
             said += f"; {correction[0]} at {correction[1]} would cancel it"
-        yield Row(f"chain drive, weight at {figure('weight_deg', one['weight_deg'])}", (said,))
+        yield Row(f"chain drive, weight at {figure('weight_deg', prediction['weight_deg'])}", (said,))
 
 
 ROWS = {"frame": _frame, "chassis": _chassis, "gears": _gears, "rotor": _rotor, "chain_drive": _chain}
@@ -261,21 +268,21 @@ def _unbalanced(gears: Mapping[str, Any]) -> list[Fault]:
     """Gears whose unbalance is felt; beside the weight of a slow gear, what a grade forbids is not."""
     return [
         Fault(
-            f"the unbalance of the {gear} gear, {figure('force_n', one['unbalance_force_n'])}, is felt",
+            f"the unbalance of the {gear} gear, {figure('force_n', gear_figures['unbalance_force_n'])}, is felt",
             ("correct it, as balance.json has it",),
         )
-        for gear, one in gears.items()
-        if one.get("worth_correcting")
+        for gear, gear_figures in gears.items()
+        if gear_figures.get("worth_correcting")
     ]
 
 
 def _near(excitations: list[Mapping[str, Any]]) -> list[Fault]:
-    near = sorted((one for one in excitations if one["near"]), key=lambda one: abs(one["ratio"] - 1.0))
+    near = sorted((source for source in excitations if source["near"]), key=lambda source: abs(source["ratio"] - 1.0))
     return [
         Fault(
-            f"{one['source']}, {one['kind']}: {figure('frequency_hz', one['frequency_hz'])} is "
-            f"{fixed(100.0 * abs(one['ratio'] - 1.0), 1)} % from the natural "
-            f"{figure('natural_hz', one['nearest_natural_hz'])}"
+            f"{source['source']}, {source['kind']}: {figure('frequency_hz', source['frequency_hz'])} is "
+            f"{fixed(100.0 * abs(source['ratio'] - 1.0), 1)} % from the natural "
+            f"{figure('natural_hz', source['nearest_natural_hz'])}"
         )
-        for one in near
+        for source in near
     ]

@@ -141,13 +141,13 @@ def _sweep(asked: keys.Sweep, mechanism: DrivenCrank) -> list[dict[str, float]]:
     tried = sweep(mechanism, crank_counterweight(asked), asked.masses_kg)
     return [
         {
-            "counterweight_kg": one.mass_kg,
-            **{f"bearing_{key}": value for key, value in statistics_figures(one.bearing_n).items()},
-            "shaking_max_n": one.shaking_n.maximum,
-            "shaking_rms_n": one.shaking_n.rms,
-            **_track(one.track),
+            "counterweight_kg": step.mass_kg,
+            **{f"bearing_{key}": value for key, value in statistics_figures(step.bearing_n).items()},
+            "shaking_max_n": step.shaking_n.maximum,
+            "shaking_rms_n": step.shaking_n.rms,
+            **_track(step.track),
         }
-        for one in tried
+        for step in tried
     ]
 
 
@@ -160,16 +160,16 @@ def frame_figures(balancing: Balancing) -> dict[str, Any]:
     mounted, balance = balancing.mounted, balancing.balance
     figures: dict[str, Any] = {"together": shaking_figures(frame.frame_shaking(mounted)), "pairs": _pairs(balancing)}
     sweeps = {
-        one.name: _sweep_of_machine(one.sweep, mounted, number)
-        for number, one in enumerate(balance.mechanisms)
-        if one.sweep is not None
+        mechanism.name: _sweep_of_machine(mechanism.sweep, mounted, number)
+        for number, mechanism in enumerate(balance.mechanisms)
+        if mechanism.sweep is not None
     }
     if sweeps:
         figures["sweeps"] = sweeps
     if balance.move_phase_of is not None:
-        moved = [one.name for one in balance.mechanisms].index(balance.move_phase_of)
+        moved = [mechanism.name for mechanism in balance.mechanisms].index(balance.move_phase_of)
         found = frame.best_phase(mounted, moved)
-        best = [replace(one, phase_rad=found.at) if k == moved else one for k, one in enumerate(mounted)]
+        best = [replace(in_frame, phase_rad=found.at) if k == moved else in_frame for k, in_frame in enumerate(mounted)]
         figures["best_phase"] = {
             "of": balance.move_phase_of,
             "phase_deg": degrees(found.at),
@@ -192,41 +192,41 @@ def _sweep_of_machine(asked: keys.Sweep, mounted: list[frame.Mounted], moved: in
 
 def _pairs(balancing: Balancing) -> list[dict[str, Any]]:
     """eta1 and eta2 of long rods, for every two cranks that turn evenly and whose sliders move along one direction."""
-    names = [one.name for one in balancing.balance.mechanisms]
+    names = [mechanism.name for mechanism in balancing.balance.mechanisms]
     even = [pair for pair in zip(names, balancing.mounted, strict=True) if turns_evenly(pair[1].mechanism)]
     return [
         {
             "first": name,
             "second": other_name,
-            "eta1": frame.reciprocating_share(_crank(one), _crank(other)),
-            "eta2": frame.rotating_share(_crank(one), _crank(other)),
+            "eta1": frame.reciprocating_share(_crank(mechanism), _crank(other)),
+            "eta2": frame.rotating_share(_crank(mechanism), _crank(other)),
         }
-        for (name, one), (other_name, other) in combinations(even, 2)
-        if one.direction_rad == other.direction_rad and _massive(one) and _massive(other)
+        for (name, mechanism), (other_name, other) in combinations(even, 2)
+        if mechanism.direction_rad == other.direction_rad and _massive(mechanism) and _massive(other)
     ]
 
 
-def _massive(one: frame.Mounted) -> bool:
-    joints = joint_masses(one.mechanism.linkage, one.mechanism.masses)
+def _massive(mounted: frame.Mounted) -> bool:
+    joints = joint_masses(mounted.mechanism.linkage, mounted.mechanism.masses)
     return joints.reciprocating_kg != 0.0 and joints.rotating_kg != 0.0
 
 
-def _crank(one: frame.Mounted) -> frame.Crank:
+def _crank(mounted: frame.Mounted) -> frame.Crank:
     """The crank of the formulas; its angle is the one in the frame at time zero, in the sense of its turning.
 
     Masses are multiplied by the crank's length, because their forces are proportional to it.
     """
-    sense, crank = (-1 if one.mirrored else 1), one.mechanism.linkage.crank_mm
-    joints = joint_masses(one.mechanism.linkage, one.mechanism.masses)
+    sense, crank = (-1 if mounted.mirrored else 1), mounted.mechanism.linkage.crank_mm
+    joints = joint_masses(mounted.mechanism.linkage, mounted.mechanism.masses)
     weighted = JointMasses(crank * joints.rotating_kg, crank * joints.reciprocating_kg)
-    return frame.Crank(weighted, sense * one.phase_rad, sense)
+    return frame.Crank(weighted, sense * mounted.phase_rad, sense)
 
 
 def chassis_figures(balancing: Balancing) -> dict[str, Any]:
     """Counterweights at the tail: the worst case, and those at the dead centres."""
     asked = balancing.balance.chassis
     assert asked is not None
-    number = [one.name for one in balancing.balance.mechanisms].index(asked.mechanism)
+    number = [mechanism.name for mechanism in balancing.balance.mechanisms].index(asked.mechanism)
     chassis = frame.Chassis(asked.support_mm, asked.counterweight_mm, radians(asked.tilt_deg))
     found = frame.dynamic_counterweights(chassis, balancing.mounted[number].mechanism)
     static = frame.static_counterweight_kg(chassis, asked.slider_kg, asked.weight_kg, asked.weight_lever_mm)
@@ -249,9 +249,14 @@ def excitations_of(balancing: Balancing) -> list[Excitation]:
     engines = (Engine(of.name, of.speed_rpm, of.cylinders, of.strokes, of.inertia_order) for of in asked.engines)
     shafts = (Shaft(of.name, of.speed_rpm, of.rollers, of.teeth, of.roller_ratio) for of in asked.shafts)
     return [
-        *(one for engine in engines for one in of_engine(engine)),
-        *(one for shaft in shafts for one in of_shaft(shaft)),
-        *(h for given, one in named if asked.harmonics for h in of_slider(given.name, one.mechanism, asked.harmonics)),
+        *(excitation for engine in engines for excitation in of_engine(engine)),
+        *(excitation for shaft in shafts for excitation in of_shaft(shaft)),
+        *(
+            h
+            for given, mounted in named
+            if asked.harmonics
+            for h in of_slider(given.name, mounted.mechanism, asked.harmonics)
+        ),
     ]
 
 
@@ -260,6 +265,6 @@ def excitation_figures(balancing: Balancing) -> list[dict[str, Any]]:
     asked = balancing.balance.excitations
     assert asked is not None
     return [
-        {**vars(one.excitation), "nearest_natural_hz": one.nearest_natural_hz, "ratio": one.ratio, "near": one.near}
-        for one in margins(excitations_of(balancing), asked.natural_hz, asked.band)
+        {**vars(near.excitation), "nearest_natural_hz": near.nearest_natural_hz, "ratio": near.ratio, "near": near.near}
+        for near in margins(excitations_of(balancing), asked.natural_hz, asked.band)
     ]

@@ -110,7 +110,7 @@ def bodies(drive: Drive) -> tuple[SheetEntry, ...]:
         pin, holes = plans[1].crank_pin, _each(plans, "lightening_holes")
         rows.append(SheetEntry("diameter of the crank pin's hole", "mm", driven=pin.diameter_mm if pin else None))
         rows.append(SheetEntry("centre of the crank pin's hole, x and y", "mm", driven=_place(pin) if pin else None))
-        sizes = (f"{len(one)} x {_mm(one[0].diameter_mm)}" if one else None for one in holes)
+        sizes = (f"{len(group)} x {_mm(group[0].diameter_mm)}" if group else None for group in holes)
         rows.append(of_both("lightening holes, number x diameter", sizes))
         if gears.index_holes:
             marks = _each(plans, "index_hole")
@@ -127,7 +127,7 @@ def bodies(drive: Drive) -> tuple[SheetEntry, ...]:
 
 
 def _each(both: Iterable[object], name: str) -> list[Any]:
-    return [getattr(one, name) for one in both]
+    return [getattr(gear, name) for gear in both]
 
 
 def _sizes(parts: Iterable[Any], *names: str) -> list[Value]:
@@ -154,28 +154,30 @@ def passed_summary(drive: Drive) -> dict[str, Any]:
     part that passes, less than 0 where none does; ``clearance`` is there where the width is given.
     """
     found: dict[str, Any] = {}
-    for one in drive.passings:
-        name = f"{one.part} to {one.standing.name}".replace("'s", "").replace(" ", "_")
-        found[f"{name}_min_mm"] = one.distance_mm
-        found[f"{name}_min_at_rad"] = one.phi1_rad
-        if one.room_mm is not None:
-            found[f"{name}_width_max_mm"] = one.room_mm
-        if one.clearance_mm is not None:
-            found[f"{name}_clearance_mm"] = one.clearance_mm
+    for passing in drive.passings:
+        name = f"{passing.part} to {passing.standing.name}".replace("'s", "").replace(" ", "_")
+        found[f"{name}_min_mm"] = passing.distance_mm
+        found[f"{name}_min_at_rad"] = passing.phi1_rad
+        if passing.room_mm is not None:
+            found[f"{name}_width_max_mm"] = passing.room_mm
+        if passing.clearance_mm is not None:
+            found[f"{name}_clearance_mm"] = passing.clearance_mm
     return {"fit": found} if found else {}
 
 
 def passed_rows(drive: Drive) -> tuple[SheetEntry, ...]:
     """The same as rows of the data sheet: distances between middles, the angles, and the widest part that passes."""
     rows = []
-    for one in drive.passings:
-        name, room = f"{one.part} to {one.standing.name}", one.room_mm
-        rows.append(SheetEntry(f"{name}: least distance of their middles", "mm", pair=one.distance_mm))
-        rows.append(SheetEntry(f"{name}: driving angle there", "deg", pair=degrees(one.phi1_rad)))
+    for passing in drive.passings:
+        name, room = f"{passing.part} to {passing.standing.name}", passing.room_mm
+        rows.append(SheetEntry(f"{name}: least distance of their middles", "mm", pair=passing.distance_mm))
+        rows.append(SheetEntry(f"{name}: driving angle there", "deg", pair=degrees(passing.phi1_rad)))
         if room is not None:
-            rows.append(SheetEntry(f"{name}: widest {one.part} that passes", "mm", pair=room if room > 0.0 else "none"))
-        if one.clearance_mm is not None:
-            rows.append(SheetEntry(f"{name}: clearance, under 0 where they meet", "mm", pair=one.clearance_mm))
+            rows.append(
+                SheetEntry(f"{name}: widest {passing.part} that passes", "mm", pair=room if room > 0.0 else "none")
+            )
+        if passing.clearance_mm is not None:
+            rows.append(SheetEntry(f"{name}: clearance, under 0 where they meet", "mm", pair=passing.clearance_mm))
     rows += [SheetEntry(f"{shaft} beside the {part}", pair="must end below it") for part, shaft in shafts_below(drive)]
     return tuple(rows)
 
@@ -183,9 +185,9 @@ def passed_rows(drive: Drive) -> tuple[SheetEntry, ...]:
 def shafts_below(drive: Drive) -> list[tuple[str, str]]:
     """Each rod that meets the driving gear's shaft or hub, and what must end below it."""
     return [
-        (one.part, one.standing.name)
-        for one in drive.passings
-        if one.meets and one.part != CRANK_PIN and one.standing.about_driving_axis
+        (passing.part, passing.standing.name)
+        for passing in drive.passings
+        if passing.meets and passing.part != CRANK_PIN and passing.standing.about_driving_axis
     ]
 
 
@@ -203,9 +205,9 @@ def limit_words(given: AssemblyTolerances) -> list[str]:
     ]
     if warm is not None and (warm.largest_c > warm.least_c or warm.least_c != MADE_C):
         words.append(f"{warm.least_c:g} to {warm.largest_c:g} \u00b0C")
-    grades = {one.grade or given.grade for one in (driving, driven)} - {None}
+    grades = {limits.grade or given.grade for limits in (driving, driven)} - {None}
     if grades:
-        words.insert(0, f"grade {' and '.join(str(one) for one in sorted(g for g in grades if g))} of ISO 1328-1")
+        words.insert(0, f"grade {' and '.join(str(grade) for grade in sorted(g for g in grades if g))} of ISO 1328-1")
     return [word for word in words if word] or ["none"]
 
 

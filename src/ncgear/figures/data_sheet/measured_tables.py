@@ -45,8 +45,8 @@ def one_pin_table(gear: GearMeasures) -> Table:
     """The distances from the axis over pins, in a ring to their near sides: space, centre, distance, its limits."""
     ring, pins, name, tool = gear.working.is_ring, gear.pins, gear.gear.value, gear.tool
     limits: list[Readings] = [
-        {(space,): over for space, over in zip(one.space.tolist(), one.over_mm.tolist(), strict=True)}
-        for _, one in gear.at_limits
+        {(space,): over for space, over in zip(pins.space.tolist(), pins.over_mm.tolist(), strict=True)}
+        for _, pins in gear.at_limits
     ]
     found = zip(pins.space.tolist(), pins.center_mm.tolist(), pins.over_mm.tolist(), strict=True)
     rows = [(space, *center, over, *_among(limits, (space,))) for space, center, over in found]
@@ -138,17 +138,17 @@ def cut_table(gear: CutGear) -> Table:
         f"{largest.hollow_space}; a round tool as stated leaves {largest.left_mm:g} mm at most; of a wire the "
         "diameter counts with its spark gap"
     )
-    rows = tuple((_named(one), one.verdict.value, one.reason) for one in gear.by)
+    rows = tuple((_named(cut), cut.verdict.value, cut.reason) for cut in gear.by)
     return Table(f"The {gear.gear.value} gear is cut by", CUT_BY, rows, (note,))
 
 
-def _named(one: CutBy) -> str:
+def _named(cut: CutBy) -> str:
     """The tool with its size; diameters are rounded down, so that the stated one fits."""
-    if one.teeth is not None:
-        return f"{one.tool.value} of {one.teeth} teeth"
-    if one.diameter_mm is not None:
-        return f"{one.tool.value} of {floor(one.diameter_mm * 1000.0) / 1000.0:g} mm or less"
-    return one.tool.value
+    if cut.teeth is not None:
+        return f"{cut.tool.value} of {cut.teeth} teeth"
+    if cut.diameter_mm is not None:
+        return f"{cut.tool.value} of {floor(cut.diameter_mm * 1000.0) / 1000.0:g} mm or less"
+    return cut.tool.value
 
 
 BAND = "thinnest", "outlines", "thickest"
@@ -174,15 +174,15 @@ def play_figures(play: Play, least_rad: float, greatest_rad: float) -> dict[str,
 
 def thickness_summary(drive: Drive) -> dict[str, dict[str, float]]:
     """Figures of the pair by the teeth of ``BAND``; empty where the file gives no band."""
-    return {name: _figures(one) for name, one in zip(BAND, drive.thickness_band, strict=False)}
+    return {name: _figures(at_thickness) for name, at_thickness in zip(BAND, drive.thickness_band, strict=False)}
 
 
-def _figures(one: AtThickness) -> dict[str, float]:
-    extremes, contact = one.extremes, one.contact
+def _figures(at_thickness: AtThickness) -> dict[str, float]:
+    extremes, contact = at_thickness.extremes, at_thickness.contact
     play = extremes.backlash_rad
     return {
-        "thickness_deviation_mm": one.deviation_mm,
-        **play_figures(one.play, play.low.value, play.high.value),
+        "thickness_deviation_mm": at_thickness.deviation_mm,
+        **play_figures(at_thickness.play, play.low.value, play.high.value),
         "play_greatest_rad": play.high.value,
         "contact_ratio_mean": contact.contact_ratio,
         "contact_ratio_min": contact.least_arc,
@@ -197,7 +197,7 @@ def band_table(drive: Drive) -> tuple[Table, ...]:
     band = tuple(thickness_summary(drive).values())
     if not band:
         return ()
-    rows = [[told(key, one[key]) for one in band] for key in band[0]]
+    rows = [[told(key, figures[key]) for figures in band] for key in band[0]]
     heads = Column(""), *(Column(name) for name in BAND), Column("unit")
     cells = tuple((row[0][0], *(text for _, text, _ in row), row[0][2]) for row in rows)
     return (Table(TITLE, heads, cells, (NOTE,)),)

@@ -122,7 +122,7 @@ def sizes(drive: Drive) -> Iterator[SheetEntry]:
     yield of_both("pitch radius", map(pitch.radius_range_mm, Gear))
     for name in ("tip", "root"):
         radii = (getattr(drive.reach[gear], f"{name}_mm") for gear in Gear)
-        yield of_both(f"radius of {name}s{section}", ((float(one.min()), float(one.max())) for one in radii))
+        yield of_both(f"radius of {name}s{section}", ((float(radius.min()), float(radius.max())) for radius in radii))
     yield of_both("greatest radius over all", map(drive.outer_radii_mm.__getitem__, Gear))
     if drive.housing_radii_mm:
         yield of_both("bore of the housing", (2.0 * radius for radius in drive.housing_radii_mm.values()))
@@ -200,7 +200,7 @@ def rack_data(drive: Drive) -> Iterator[SheetEntry]:
     if driving.has_own_shifts:
         yield SheetEntry("profile shift", pair="of each tooth, see its table")
     else:
-        yield of_both("profile shift", (one.rack.shift_mm / module for one in (driving, driven)), "modules")
+        yield of_both("profile shift", (gear.rack.shift_mm / module for gear in (driving, driven)), "modules")
     yield from _of_pair(drive, "backlash_mm", "backlash_max_mm")
     if drive.play.thicker_mm == 0.0:
         yield from _of_pair(drive, "play_rad")
@@ -223,7 +223,7 @@ def tooth_data(drive: Drive) -> Iterator[SheetEntry]:
     Both under load too, where a load brings more flanks into contact.
     """
     both = drive.teeth.driving, drive.teeth.driven
-    undercut = (_with_amount(one.undercut, undercutting, one) for one in both)
+    undercut = (_with_amount(gear.undercut, undercutting, gear) for gear in both)
     yield of_both("teeth that a tool of full depth undercuts", undercut, "")
     yield of_both("teeth with shortened tips", map(_shortened, both), "")
     section = ", z = 0" if drive.helix else ""
@@ -237,7 +237,7 @@ def tooth_data(drive: Drive) -> Iterator[SheetEntry]:
 
 def _shortened(gear: ToothedGear) -> str:
     numbers = {number for limit in Limit if limit is not Limit.FULL for number in gear.shortened(limit)}
-    return _with_amount(sorted(numbers), lambda one: shortening(one, one.tips.limit != Limit.FULL), gear)
+    return _with_amount(sorted(numbers), lambda gear: shortening(gear, gear.tips.limit != Limit.FULL), gear)
 
 
 def _with_amount(numbers: list[int], loss: Callable[[ToothedGear], Loss], gear: ToothedGear) -> str:

@@ -222,7 +222,9 @@ def designed_contact(designed: AsDesigned, extremes: ContactExtremes) -> dict[st
 
 def _between(name: str, unit: str, found: ValueRange, factor: float = 1.0) -> dict[str, Any]:
     """The least and the greatest value, each with its driving angle."""
-    low, high = (extreme(f"{name}_{end}", unit, one, factor) for end, one in (("min", found.low), ("max", found.high)))
+    low, high = (
+        extreme(f"{name}_{end}", unit, extremum, factor) for end, extremum in (("min", found.low), ("max", found.high))
+    )
     return {**low, **high}
 
 

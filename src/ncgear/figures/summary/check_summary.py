@@ -187,7 +187,7 @@ def stages_summary(drive: Drive) -> dict[str, Any]:
 
 def names_between(drive: Drive) -> list[str]:
     """The shafts between the pairs of a machine in words, from the driving shaft on."""
-    return [one.words for one in drive.design.shafts[1:-1]]
+    return [shaft.words for shaft in drive.design.shafts[1:-1]]
 
 
 def _range_and_angle(drive: Drive) -> dict[str, Any]:

@@ -120,8 +120,8 @@ def all_made(parts: Iterable[Making]) -> WrittenFiles:
     """The files of all kinds together."""
     written = [part() for part in parts]
     return WrittenFiles(
-        {name: content for one in written for name, content in one.files.items()},
-        {kind: error for one in written for kind, error in one.errors_mm.items()},
+        {name: content for made in written for name, content in made.files.items()},
+        {kind: error for made in written for kind, error in made.errors_mm.items()},
     )
 
 

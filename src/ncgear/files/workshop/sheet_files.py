@@ -61,7 +61,7 @@ def _drawn(sheet: Sheet) -> Iterator[str]:
     yield f"{POINTS_PER_MM:.9f} 0 0 {POINTS_PER_MM:.9f} 0 0 cm 1 j"
     items = list(sheet.plain())
     for pen in Pen:
-        yield f"{pen.width_mm:g} w [{' '.join(f'{one:g}' for one in pen.dashes_mm)}] 0 d"
+        yield f"{pen.width_mm:g} w [{' '.join(f'{dash:g}' for dash in pen.dashes_mm)}] 0 d"
         for item in items:
             if isinstance(item, SheetLine) and item.pen is pen:
                 yield f"{_path(item.points)} {'f' if item.filled else 's' if item.closed else 'S'}"

@@ -178,7 +178,7 @@ def moving(glb: bytes, seconds: Array, ways: Mapping[str, tuple[Array, Array | N
     _tell_what_meshes_read(content)
     numbers, moved = [seconds[:, None]], []
     for name, (turned, places) in ways.items():
-        node = next(one for one in content["nodes"] if one.get("name") == name)
+        node = next(node for node in content["nodes"] if node.get("name") == name)
         still = _parted(node)
         half = turned / 2.0
         spin = np.stack([0.0 * half, 0.0 * half, np.sin(half), np.cos(half)], axis=1)
@@ -200,7 +200,7 @@ def moving(glb: bytes, seconds: Array, ways: Mapping[str, tuple[Array, Array | N
         content["accessors"].append(accessor)
         binary += kept.tobytes()
     content["buffers"][0]["byteLength"] = len(binary)
-    places_of = {one.get("name"): place for place, one in enumerate(content["nodes"])}
+    places_of = {node.get("name"): place for place, node in enumerate(content["nodes"])}
     content["animations"] = [
         {
             "name": "turning",
@@ -216,7 +216,7 @@ def moving(glb: bytes, seconds: Array, ways: Mapping[str, tuple[Array, Array | N
 
 def _tell_what_meshes_read(content: dict[str, Any]) -> None:
     """Name the purpose of each stretch that a mesh reads, which the format's validator demands."""
-    for primitive in (one for mesh in content["meshes"] for one in mesh["primitives"]):
+    for primitive in (primitive for mesh in content["meshes"] for primitive in mesh["primitives"]):
         read = [(place, CORNERS) for place in primitive["attributes"].values()] + [(primitive["indices"], FACETS)]
         for place, target in read:
             content["bufferViews"][content["accessors"][place]["bufferView"]]["target"] = target

@@ -255,7 +255,7 @@ def require_same(data: bytes, shapes: Sequence[TopoDS_Shape]) -> None:
     if not BRepCheck_Analyzer(whole).IsValid():
         raise Unanswered("a STEP file holds solids that are not valid")
     for shape, found in zip(shapes, solids_of(whole), strict=True):
-        faces, faces_found = (len(faces_of(one)) for one in (shape, found))
+        faces, faces_found = (len(faces_of(solid)) for solid in (shape, found))
         volume, volume_found = volume_mm3(shape), volume_mm3(found)
         if faces != faces_found or not abs(volume_found - volume) <= VOLUME_TOLERANCE * volume:
             raise Unanswered(

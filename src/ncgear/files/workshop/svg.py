@@ -128,7 +128,7 @@ def sheet_svg(sheet: Sheet) -> bytes:
 
 
 def _pen(pen: Pen) -> dict[str, str]:
-    dashes = {"stroke-dasharray": " ".join(f"{one:g}" for one in pen.dashes_mm)} if pen.dashes_mm else {}
+    dashes = {"stroke-dasharray": " ".join(f"{dash:g}" for dash in pen.dashes_mm)} if pen.dashes_mm else {}
     return {"id": pen.name, "stroke": "#000000", "stroke-width": f"{pen.width_mm:g}", **dashes}
 
 

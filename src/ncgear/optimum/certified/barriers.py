@@ -124,7 +124,8 @@ class Barriers:
         start = high[:, None]
         for _ in range(2):
             own, beside = (
-                _excess(self.rows, at, one + SHARES * step * slope, slope) for one in (start, start * (1.0 + NEARBY))
+                _excess(self.rows, at, begin + SHARES * step * slope, slope)
+                for begin in (start, start * (1.0 + NEARBY))
             )
             raised = np.maximum(_greatest(own / (own - beside), 1), 0.0)[:, None]
             start = start * (1.0 + 1.1 * NEARBY * raised)

@@ -81,16 +81,16 @@ class Demands:
     @property
     def places_rad(self) -> tuple[float, ...]:
         """Crank angles that should be places of the grid."""
-        return tuple(angle for one in self.in_order for angle in one.asked.stretch)
+        return tuple(angle for wish in self.in_order for angle in wish.asked.stretch)
 
     @property
     def in_order(self) -> list[WishDemand]:
         """The requirements of wishes, kind by kind."""
-        return sorted(self.wishes, key=lambda one: KINDS.index(type(one.asked)))
+        return sorted(self.wishes, key=lambda wish: KINDS.index(type(wish.asked)))
 
     def requirements(self, kind: type[Asked]) -> list[Asked]:
         """The requirements of one kind."""
-        return [one.asked for one in self.wishes if isinstance(one.asked, kind)]
+        return [wish.asked for wish in self.wishes if isinstance(wish.asked, kind)]
 
 
 PEAKS = {

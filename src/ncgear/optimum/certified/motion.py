@@ -101,18 +101,18 @@ class MotionProgramme:
         # Greatest wished decelerations in the cells, over crank w^2
         self.falls = np.full(count, inf)
         self.priced: dict[str, LimitedFigure] = {}
-        for one in priced:
-            most = getattr(asked, one.name)
-            least = min(one.least / most, 1.0)
+        for figure in priced:
+            most = getattr(asked, figure.name)
+            least = min(figure.least / most, 1.0)
             share = self.programme.variable(np.full(1, least), np.ones(1))
             self.programme.positive(1.0 - share)
             self.programme.positive(share - least)
-            self.priced[one.name] = LimitedFigure(share, least, most)
+            self.priced[figure.name] = LimitedFigure(share, least, most)
 
     @property
     def figures(self) -> dict[str, Linear]:
         """The priced figures, in their units."""
-        return {name: one.value for name, one in self.priced.items()}
+        return {name: figure.value for name, figure in self.priced.items()}
 
     def _cap_by_power(self) -> None:
         """Ranges of q and of times under a given peak power, without masses."""

@@ -38,7 +38,7 @@ def motion_programme(
     ``with_peak``, up to ``MOST_ACCELERATION``, or where it is limited.  Figures that are ``priced`` are variables
     within their ranges, and demands.
     """
-    asked = replace(asked, **{one.name: min(one.most, getattr(asked, one.name)) for one in priced})
+    asked = replace(asked, **{figure.name: min(figure.most, getattr(asked, figure.name)) for figure in priced})
     made = MotionProgramme(task, on, asked, curve if isinstance(curve, Ranges) else None, priced)
     made.limit_acceleration(with_peak)
     made.limit_power(powers_w)

@@ -154,7 +154,7 @@ def _leaning(known: Array, angle_rad: Array, steepness: float) -> tuple[Array, A
     onward = np.minimum.accumulate(height - far, axis=1) + far
     at = np.minimum(onward, np.minimum.accumulate((height + far)[:, ::-1], axis=1)[:, ::-1] - far)
     in_cell = (at[:, :-1] + at[:, 1:] + np.diff(far, axis=1)) / 2.0
-    q, q_in_cell = (np.maximum(np.expm1(sign * one), 0.0) ** 2 for one in (at, in_cell))
+    q, q_in_cell = (np.maximum(np.expm1(sign * log), 0.0) ** 2 for log in (at, in_cell))
     return q, q_in_cell
 
 

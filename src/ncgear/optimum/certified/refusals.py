@@ -223,7 +223,7 @@ def _of_curves_and_wishes(problem: LimitProblem) -> Refused:
 
 
 def _without(problem: LimitProblem, wish: WishDemand) -> LimitProblem:
-    return problem.under(wishes=tuple(one for one in problem.asked.wishes if one is not wish))
+    return problem.under(wishes=tuple(other for other in problem.asked.wishes if other is not wish))
 
 
 def _other_wishes(problem: LimitProblem) -> list[Offer]:

@@ -105,8 +105,8 @@ def needs_times(task: Task, asked: Demands) -> bool:
         task.masses is not None
         or bool(asked.requirements(TimeWithin))
         or any(
-            not isinf(one)
-            for one in (asked.braking_w, asked.fluctuation_n_mm, asked.torque_n_mm, asked.flank_load_n_mm)
+            not isinf(limit)
+            for limit in (asked.braking_w, asked.fluctuation_n_mm, asked.torque_n_mm, asked.flank_load_n_mm)
         )
     )
 

@@ -94,7 +94,7 @@ class SweptLimits:
 
 def known_functions(task: Task, asked: Demands, cells: int) -> LinkageValues:
     """The known functions of a machine in about ``cells`` cells."""
-    stretches = [one.stretch for one in asked.requirements(TimeWithin)]
+    stretches = [requirement.stretch for requirement in asked.requirements(TimeWithin)]
     ends = cell_ends(task, np.linspace(0.0, 2.0 * pi, cells, endpoint=False), stretches)
     places = ends[:-1, None] + np.diff(ends)[:, None] * NODES
     at = slider_at(task, places.ravel())
@@ -102,7 +102,7 @@ def known_functions(task: Task, asked: Demands, cells: int) -> LinkageValues:
     static = at.torque if task.masses is not None else at.force_n * at.first
     columns = at.first, at.second, static, at.torque_by_q, at.torque_by_rate
     return LinkageValues(
-        ends, *(np.broadcast_to(np.asarray(one, dtype=float), places.size).reshape(-1, 3) for one in columns)
+        ends, *(np.broadcast_to(np.asarray(column, dtype=float), places.size).reshape(-1, 3) for column in columns)
     )
 
 
@@ -177,7 +177,7 @@ class Sweeps:
         for cell in range(self.step.size)[::way]:
             here, there = (cell, cell + 1)[::way]
             self._lower(barriers, (cell, 1 - way), curve[here])
-            q, (level, reached, slope) = curve[here], (one[:, cell] for one in resting)
+            q, (level, reached, slope) = curve[here], (values[:, cell] for values in resting)
             line, loose = barriers.parabola(cell, q, way)
             line = lowest(line, (np.where(q <= level, level, inf), reached, slope))
             above = loose & (q > level) & (reached < line[1])
@@ -230,12 +230,14 @@ class Sweeps:
                 found.append(_Limit(sign, True, False, across, along, wheel, felt))
         rows = len(found)
         own = LimitRows(
-            np.array([one.flank for one in found]).reshape(rows, 1),
-            np.array([one.power for one in found]).reshape(rows, 1),
-            np.array([one.level for one in found]).reshape(rows, count),
-            np.array([one.tilt for one in found]).reshape(rows, count),
-            np.array([one.sign * one.wheel[:: one.sign] for one in found]).reshape(rows, 2, count).swapaxes(0, 1),
-            np.array([one.sign * one.felt for one in found]).reshape(rows, *felt.shape).swapaxes(0, 1),
+            np.array([barrier.flank for barrier in found]).reshape(rows, 1),
+            np.array([barrier.power for barrier in found]).reshape(rows, 1),
+            np.array([barrier.level for barrier in found]).reshape(rows, count),
+            np.array([barrier.tilt for barrier in found]).reshape(rows, count),
+            np.array([barrier.sign * barrier.wheel[:: barrier.sign] for barrier in found])
+            .reshape(rows, 2, count)
+            .swapaxes(0, 1),
+            np.array([barrier.sign * barrier.felt for barrier in found]).reshape(rows, *felt.shape).swapaxes(0, 1),
         )
         return Barriers(own, self.asked.steepness, self.step, (self._floor, self._cap))
 
@@ -245,9 +247,11 @@ class Sweeps:
         room = 1.0 + ROUNDING
         kept = (shortest.sum(axis=0) <= self.task.cycle_rad * room) & np.all(curve >= self._floor / room, axis=0)
         middle = (self.known.ends_rad[1:] + self.known.ends_rad[:-1]) / 2.0
-        for one in self.asked.requirements(TimeWithin):
-            within = (middle - one.stretch.start_rad) % (2.0 * pi) < one.stretch.end_rad - one.stretch.start_rad
-            kept &= shortest[within].sum(axis=0) <= one.most_rad * room
+        for requirement in self.asked.requirements(TimeWithin):
+            within = (middle - requirement.stretch.start_rad) % (
+                2.0 * pi
+            ) < requirement.stretch.end_rad - requirement.stretch.start_rad
+            kept &= shortest[within].sum(axis=0) <= requirement.most_rad * room
         return np.asarray(kept)
 
     def _shortest(self, lines: Array) -> Array:

@@ -267,7 +267,7 @@ class Tree:
             return []
         if len(box.figures) > 1:
             name = max(
-                box.figures, key=lambda one: self.trials.prices[one] * (box.figures[one][1] - box.figures[one][0])
+                box.figures, key=lambda name: self.trials.prices[name] * (box.figures[name][1] - box.figures[name][0])
             )
             least, most = box.figures[name]
             if OF_FIGURE * (most - least) > most * log(high / low):

@@ -51,11 +51,11 @@ def demands_of(task: Task, wishes: Wishes, case: Case = NO_CASE) -> Demands:
     _refuse_slow_gear(task, wishes.driven_speed_rad_s)
     every, fastest = _every_law(task, wishes), _least_ratio(task, wishes)
     asked = [
-        one
+        demand
         for wish in wishes.motion
         if wish.hard
         for requirement in _of_laws(task, wish, every, case)
-        for one in _demands(task, wish, requirement, limits.ratio_max)
+        for demand in _demands(task, wish, requirement, limits.ratio_max)
     ]
     one_pair, loads_known = wishes.two_stages is None, knows_loads(task, wishes)
     of_loads: dict[str, Any] = {

@@ -306,7 +306,7 @@ def _freed_together(
         freed.append(search.programme.levels[int(np.argmax(shares))].wish)
         found = _without(search, freed, TOGETHER, found)
     for wish in freed[:-1]:
-        fewer = [one for one in freed if one != wish]
+        fewer = [other for other in freed if other != wish]
         enough = found and _without(search, fewer, TOGETHER, found)
         if enough is not None and enough.excess <= NO_EXCESS:
             freed, found = fewer, enough
@@ -316,7 +316,7 @@ def _freed_together(
 def found_together(task: Task, wishes: Wishes, *, limits_alone: bool) -> Eased | None:
     """Limits (and wishes, unless ``limits_alone``) to ease together, so that a law keeps all others."""
     found = (_found_together(search, limits_alone) for search in _few_knots(task, wishes))
-    return next((one for one in found if one is not None), None)
+    return next((law for law in found if law is not None), None)
 
 
 def _found_together(search: LawSearch, limits_alone: bool) -> Eased | None:
@@ -364,6 +364,6 @@ def _shares(search: LawSearch, near: Solution) -> Iterator[tuple[WishLevel, floa
 def _easing(search: LawSearch, wish: str, reached: Array) -> Iterator[Offer]:
     """The value that a law has reached; nothing where a file may not ask for so wide a limit."""
     levels = zip(reached, search.programme.levels, strict=True)
-    value, level = max(((value, level) for value, level in levels if level.wish == wish), key=lambda one: one[0])
+    value, level = max(((value, level) for value, level in levels if level.wish == wish), key=lambda eased: eased[0])
     if value < level.widest:
         yield replace(level.shown(float(value)), key=level.key)

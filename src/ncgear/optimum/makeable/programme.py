@@ -172,7 +172,9 @@ class LawProgramme:
 
     def _closed(self, coefficients: Array, law: Sequence[RatioPlace]) -> Array:
         """Coefficients shifted as the law is that closes its turn."""
-        apart = [one.log[0] - self.basis.of(own)[0][0] for one, own in zip(law, self._each(coefficients), strict=True)]
+        apart = [
+            spline.log[0] - self.basis.of(own)[0][0] for spline, own in zip(law, self._each(coefficients), strict=True)
+        ]
         closed: Array = self._each(coefficients) + np.array(apart)[:, None]
         return closed.ravel()
 

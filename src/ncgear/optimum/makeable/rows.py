@@ -95,7 +95,7 @@ def _of_root(level: WishLevel, square: Term, whole: WholeLaw) -> Term:
 
 def closing_terms(ratios: Sequence[RatioPlace]) -> list[Term]:
     """The values integrated over the turn with any levels: every ratio, and the rate of every pair's length."""
-    return [*(one.ratio for one in ratios), *length_rates(ratios)]
+    return [*(ratio.ratio for ratio in ratios), *length_rates(ratios)]
 
 
 @dataclass(frozen=True, eq=False)

@@ -124,7 +124,7 @@ def conditions(curve: Rolled, limits: CurveLimits) -> Iterator[OutlineCondition]
 
 def excess(curve: Rolled, limits: CurveLimits) -> float:
     """The largest violation of the conditions and of the mate's closing; below 0 where all hold."""
-    worst = max(float(np.max(one.value)) for one in conditions(curve, limits))
+    worst = max(float(np.max(condition.value)) for condition in conditions(curve, limits))
     return max(worst, abs(float(np.mean(curve.turned)) - 1.0) - ROUNDING)
 
 

@@ -208,15 +208,15 @@ def nearest_curve(
     if start is not None:
         return _better(outline, start, limits, wanted, MORE_ROUNDS, FIRST_STEP / 2.0)
     basis = SplineBasis(coefficients_for(teeth))
-    curves = [one for one in _begun(outline, basis, axis_mm, wanted, limits, teeth) if one is not None]
+    curves = [curve for curve in _begun(outline, basis, axis_mm, wanted, limits, teeth) if curve is not None]
     if not curves:
         raise NoSuchMechanism("no axis inside the outline is met by every ray; give one in motion", key="motion")
     for count, rounds in HEATS_OF_TWO if wanted.mate else HEATS:
         curves = sorted(
             curves,
-            key=lambda one: _cost(outline, one, limits, wanted)[0] + GENTLE * outline.size_mm * _steepness(one),
+            key=lambda curve: _cost(outline, curve, limits, wanted)[0] + GENTLE * outline.size_mm * _steepness(curve),
         )[:count]
-        curves = [_better(outline, one, limits, wanted, rounds, FIRST_STEP) for one in curves]
+        curves = [_better(outline, curve, limits, wanted, rounds, FIRST_STEP) for curve in curves]
     found = curves[0]
     off = missed(found, limits, wanted)
     if off > LOOSE:
@@ -249,7 +249,7 @@ TOO_MUCH = {
 
 def _most_missed(curve: Rolled, limits: CurveLimits) -> str:
     """Words for the most violated condition and its place in the drawing."""
-    worst = max(conditions(curve, limits), key=lambda one: float(one.value.max()))
+    worst = max(conditions(curve, limits), key=lambda condition: float(condition.value.max()))
     points, _ = curve.points()
     x, y = points[int(worst.value.argmax()) * len(points) // worst.value.size]
     return f"{TOO_MUCH[worst.kind]} at ({x:.4g}, {y:.4g}) mm of the drawing"
@@ -301,10 +301,10 @@ def _begun(
         ]
     own, other = seen(outline, axis_mm, AXES_OF_TWO), seen(mate.outline, mate.axis_mm, AXES_OF_TWO)
     begun = list[Rolled | None]()
-    for one in best_phases([r for _, r in own], [r for _, r in other], mate.share, mate.fixed_size, count):
-        place = MatePlace(other[one.mate][0] * one.scale, one.turned_rad, one.scale)
-        radius = basis.through(_resampled(one.radius_mm, basis.count))
-        begun.append(_shrunk(Rolled(basis, radius, own[one.own][0], 1.0, teeth, place), limits))
+    for phase in best_phases([r for _, r in own], [r for _, r in other], mate.share, mate.fixed_size, count):
+        place = MatePlace(other[phase.mate][0] * phase.scale, phase.turned_rad, phase.scale)
+        radius = basis.through(_resampled(phase.radius_mm, basis.count))
+        begun.append(_shrunk(Rolled(basis, radius, own[phase.own][0], 1.0, teeth, place), limits))
     return begun
 
 

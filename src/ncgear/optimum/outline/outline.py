@@ -213,6 +213,6 @@ def axes_to_try(outline: Outline, count: int) -> list[Array]:
     deep = grid[(depth > DEEP * np.max(depth)) & (near | (depth == np.max(depth)))]
     found = [outline.centroid_mm if depth[-1] > DEEP * np.max(depth) else grid[np.argmax(depth)]]
     while len(found) < count:
-        away = np.min([np.hypot(*(deep - one).T) for one in found], axis=0)
+        away = np.min([np.hypot(*(deep - place).T) for place in found], axis=0)
         found.append(deep[np.argmax(away)])
     return found

@@ -206,8 +206,8 @@ def step(outline: Outline, curve: Rolled, limits: CurveLimits, wanted: OutlineAi
     length = (np.ones(places) @ curve.speed_rows)[None, :] * (tau / places / (pi * curve.teeth))
     below(np.zeros(1), radius=closing, distance=np.array([-np.mean(r / (distance - r) ** 2)]))
     below(np.zeros(1), radius=length, module=np.array([-1.0]))
-    for one in conditions(curve, limits):
-        rows_of, by_distance, by_module = one.slopes()
+    for condition in conditions(curve, limits):
+        rows_of, by_distance, by_module = condition.slopes()
         slack = np.full(places, -1.0)
         below(np.zeros(places), radius=rows_of, distance=by_distance, module=by_module, slack=slack)
     curved = programme.count
@@ -254,7 +254,9 @@ def step(outline: Outline, curve: Rolled, limits: CurveLimits, wanted: OutlineAi
 
 def _values(curve: Rolled, limits: CurveLimits) -> Array:
     """How far the mate is from closing and the module from the length, and the values of all conditions."""
-    return np.concatenate([[np.mean(curve.turned) - 1.0, 0.0], *(one.value for one in conditions(curve, limits))])
+    return np.concatenate(
+        [[np.mean(curve.turned) - 1.0, 0.0], *(condition.value for condition in conditions(curve, limits))]
+    )
 
 
 def _unknowns(curve: Rolled, widths: Mapping[str, int]) -> Array:

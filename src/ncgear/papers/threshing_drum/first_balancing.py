@@ -161,7 +161,7 @@ def growth_with_speed() -> Computed:
 def front_and_rear() -> Computed:
     """Mean amplitudes with the weight in holes 1 to 5 and in holes 6 to 10, on each bar at 900 and 1000 r/min."""
     found = [at(bar, speed) for bar in BY_HOLE for speed in (900, 1000)]
-    return computed(*(mean for one in found for mean in (sum(one[:5]) / 5.0, sum(one[5:]) / 5.0)))
+    return computed(*(mean for readings in found for mean in (sum(readings[:5]) / 5.0, sum(readings[5:]) / 5.0)))
 
 
 def spread_of_holes() -> Computed:

@@ -39,8 +39,8 @@ PAPER = Paper(
         LeftOut("section 3.4", "largest amplitudes and their frequencies with the engine alone", Reason.MEASURED,
                 texts("1.46 39.06 3.61 39.06 2.21 74.22")),
         *(
-            LeftOut(place, "amplitudes up and down at sixteen points", Reason.MEASURED, (*one.up, *one.down))
-            for place, one in (("Table 6", measurements.WITHOUT), ("Table 7", measurements.WITH))
+            LeftOut(place, "amplitudes up and down at sixteen points", Reason.MEASURED, (*rows.up, *rows.down))
+            for place, rows in (("Table 6", measurements.WITHOUT), ("Table 7", measurements.WITH))
         ),
         LeftOut("section 3.4", "accelerations of another baler's frame", Reason.ELSEWHERE, texts("0.299 0.234 0.460")),
         LeftOut("section 3.3, Fig. 13", "criterion of the shapes' likeness, close to 1", Reason.VAGUE, ("1",)),

@@ -171,7 +171,7 @@ MOVEMENT = (
           lambda: WITH.largest, of_printed=True),
     Entry("section 3.5", "less movement with the weight than without, at every point", Below("obviously decreased"),
           Finding.REPRODUCED,
-          lambda: (*(one for pair in zip(WITH.peaks, WITHOUT.peaks, strict=True) for one in pair),), of_printed=True),
+          lambda: (*(peak for pair in zip(WITH.peaks, WITHOUT.peaks, strict=True) for peak in pair),), of_printed=True),
     Entry("section 3.5", "points 1 to 7 move less than points 8 to 14 with the weight", Below("grounded at 1 to 7"),
           Finding.REPRODUCED, lambda: (max(WITH.peaks[:7]), min(WITH.peaks[7:14])),
           "What is called tiny at points 8 to 14 is the largest that is left.", of_printed=True),

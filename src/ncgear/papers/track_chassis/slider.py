@@ -48,7 +48,7 @@ MEASURED_HZ = ("4.39", "18.29", "29.41", "63.48", "82.03", "125.49")
 
 def of_kind(kind: str) -> list[float]:
     """Frequencies of the shafts of one kind in Hz, in the table's order."""
-    return [one.frequency_hz for shaft in SHAFTS for one in of_shaft(shaft) if one.kind == kind]
+    return [excitation.frequency_hz for shaft in SHAFTS for excitation in of_shaft(shaft) if excitation.kind == kind]
 
 
 def from_printed(counts: list[int | None]) -> Computed:
@@ -59,7 +59,7 @@ def from_printed(counts: list[int | None]) -> Computed:
 
 def engine(kind: str) -> float:
     """One of the engine's frequencies in Hz."""
-    return next(one.frequency_hz for one in of_engine(ENGINE) if one.kind == kind)
+    return next(excitation.frequency_hz for excitation in of_engine(ENGINE) if excitation.kind == kind)
 
 
 def errors(*orders: int) -> Computed:
@@ -74,9 +74,9 @@ def errors(*orders: int) -> Computed:
 
 def nearer_than_the_auger() -> Computed:
     """Number of other excitations that are as near to a natural frequency as the auger's rotation is to the first."""
-    excitations = [*of_engine(ENGINE), *(one for shaft in SHAFTS for one in of_shaft(shaft))]
+    excitations = [*of_engine(ENGINE), *(excitation for shaft in SHAFTS for excitation in of_shaft(shaft))]
     found = margins(excitations, NATURAL_HZ, 1.0 - AUGER_HZ / NATURAL_HZ[0])
-    return computed(sum(one.near and one.excitation.source != "feeding auger" for one in found))
+    return computed(sum(excitation.near and excitation.excitation.source != "feeding auger" for excitation in found))
 
 
 GEOMETRY = "The part's geometry and its finite-element model."

@@ -176,7 +176,9 @@ class ClosedCurve:
 
     def mirrored(self) -> ClosedCurve:
         """The curve mirrored at the ray of angle 0, again counter-clockwise."""
-        return ClosedCurve(tuple(one.backwards(mirrored=True) for one in reversed(self.stretches)), self.endless)
+        return ClosedCurve(
+            tuple(stretch.backwards(mirrored=True) for stretch in reversed(self.stretches)), self.endless
+        )
 
     def radii(self, low_rad: float, high_rad: float) -> tuple[Radius, ...]:
         """The radius between two angles less than a turn apart, or a turn, on consecutive stretches."""
@@ -257,7 +259,9 @@ def drawn(points: Sequence[tuple[PointFunction, Sequence[float]]], key: str, *, 
         raise NoSuchMechanism(f"the pitch curve {said}; once is right: move the axis, or mend the curve", key=key)
     curve = ClosedCurve(tuple(stretches), endless)
     # Mirrored and reversed, then mirrored again without reversing: only the sense in which it is run through changes.
-    return curve if turned > 0.0 else ClosedCurve(tuple(one.backwards() for one in reversed(stretches)), endless)
+    return (
+        curve if turned > 0.0 else ClosedCurve(tuple(stretch.backwards() for stretch in reversed(stretches)), endless)
+    )
 
 
 def _polar(point: PointFunction, breaks: Array, key: str) -> PolarFunction:

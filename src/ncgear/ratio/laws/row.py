@@ -71,7 +71,7 @@ def shared_out(whole: Transmission, parts: Sequence[float]) -> PairsInSeries:
         return SharedShaft(share, factor, Rising(PiecewiseChebyshev(turned.breaks, turned.coefficients * factor)))
 
     shafts = [speed_to(sum(parts[:number]) / sum(parts)) for number in range(len(parts) + 1)]
-    laws = [Transmission(tuple(_shared(one, *both) for one in whole.pieces), Lobes()) for both in pairwise(shafts)]
+    laws = [Transmission(tuple(_shared(piece, *both) for piece in whole.pieces), Lobes()) for both in pairwise(shafts)]
     driven = [behind(law, shaft.angle) for law, shaft in zip(laws[1:], shafts[1:-1], strict=True)]
     return PairsInSeries(whole, (on_driving_shaft(laws[0]), *driven))
 

@@ -305,7 +305,7 @@ def _side(patches: Patches, poles: Array) -> TopoDS_Face:
 def _end(patches: Patches, poles: Array) -> TopoDS_Face:
     """The plane face within curves whose poles (patches, n along, 3) are all at one height."""
     height = float(poles[0, 0, 2])
-    wire = wire_of([Spline(patches.along, one[:, :2]) for one in poles], height)
+    wire = wire_of([Spline(patches.along, pole[:, :2]) for pole in poles], height)
     return BRepBuilderAPI_MakeFace(gp_Pln(gp_Pnt(0.0, 0.0, height), gp_Dir(0.0, 0.0, 1.0)), wire, True).Face()
 
 

@@ -65,7 +65,7 @@ def _best_fits(pitch: PitchPair, form: ToothForm, helix: Helix, heights: Array) 
             refusals.append(refusal)
     if not found:
         raise refusals[0]
-    return max(found, key=lambda one: min(map(least_overlap, one[1])))
+    return max(found, key=lambda tips: min(map(least_overlap, tips[1])))
 
 
 def _fits(pitch: PitchPair, form: ToothForm, helix: Helix, heights: Array, way: TipShortening) -> Fits:

@@ -98,7 +98,7 @@ def _curves(sections: Sections, gear: Gear, height: float) -> list[CurveStretch]
 def _require_alike(curves: list[list[CurveStretch]], gear: Gear, shortest_mm: float) -> None:
     """Raise WrongInput unless every section has the same curves and no curve vanishes."""
     for stretches in zip(*curves, strict=True):
-        if any(not np.array_equal(one.owner, stretches[0].owner) for one in stretches):
+        if any(not np.array_equal(stretch.owner, stretches[0].owner) for stretch in stretches):
             raise _rough(gear, "some are undercut at one height and not at another")
         points = np.stack([_rows(stretch, np.array([0.0, 1.0]))[0] for stretch in stretches])
         if np.linalg.norm(points[:, :, 1] - points[:, :, 0], axis=2).min() <= shortest_mm:

@@ -302,7 +302,7 @@ def _widths_cut(plan: BodyPlan) -> list[tuple[str, float]]:
     openings += [("an index hole", hole.diameter_mm)] if hole else []
     openings += [("a slot", plan.slot.width_mm)] if plan.slot else []
     openings += [("the crank pin's hole", plan.crank_pin.diameter_mm)] if plan.crank_pin else []
-    return openings + [("lightening holes", one.diameter_mm) for one in plan.lightening_holes[:1]]
+    return openings + [("lightening holes", hole.diameter_mm) for hole in plan.lightening_holes[:1]]
 
 
 def _narrowed(hole: RoundHole, half_mm: float) -> RoundHole:

@@ -250,9 +250,9 @@ def _mechanism(drive: Drive, bodies: dict[str, list[Array]], box: Box) -> list[I
     board.add(SheetLine(np.array([[box.left, box.high], [box.right, box.high]])))
     keys: Any = linkage
     sizes = ", ".join(
-        f"{one.name.removesuffix('_mm').replace('_', ' ')} {drawn(float(getattr(linkage, one.name)), 'mm')}"
-        for one in fields(keys)
-        if one.name.endswith("_mm")
+        f"{key.name.removesuffix('_mm').replace('_', ' ')} {drawn(float(getattr(linkage, key.name)), 'mm')}"
+        for key in fields(keys)
+        if key.name.endswith("_mm")
     )
     crank = drawn(degrees(linkage.crank_start_rad) % 360.0, "deg")
     at = f"Mechanism at phi1 = 0, {paper.scale_text(scale)}"
@@ -275,8 +275,8 @@ def _mechanism(drive: Drive, bodies: dict[str, list[Array]], box: Box) -> list[I
         below = float(view.on_paper(low)[1]) - 5.0
         apart = [below - float(view.on_paper(ends)[0, 1]) - more for more in (0.0, 2.0, 4.0)]
         board.put_dimension(
-            (paper.length(view.on_paper(ends), one, f"{drawn(linkage.stroke_mm, 'mm')} stroke", scale),)
-            for one in apart
+            (paper.length(view.on_paper(ends), ends_apart, f"{drawn(linkage.stroke_mm, 'mm')} stroke", scale),)
+            for ends_apart in apart
         )
     for points, words in _lengths(drive):
         on_paper = view.on_paper(points)
