@@ -218,13 +218,15 @@ def test_a_step_is_a_part_of_the_fastest_swing_of_two_meshes() -> None:
 
     def at(phi: Any) -> Any:
         first = 1000.0 * (1.0 + np.asarray(phi))
-        return Made(stiffness=(first, 2.0 * first), slope=slope, driven=driven)
+        ones = np.ones_like(first)
+        inertia = np.stack([between * ones, driven * ones])
+        return Made(stiffness=np.stack([first, 2.0 * first]), slope=np.stack([ones, slope * ones]), inertia=inertia)
 
     def fastest(phi: float) -> float:
         stiff = 1000.0 * (1.0 + phi)
         return sqrt((stiff + slope**2 * 2.0 * stiff) / between + 2.0 * stiff / driven)
 
-    train: Any = Made(between=between, speed_rad_s=speed, _at=at)
+    train: Any = Made(speed_rad_s=speed, _at=at)
     ahead = 0.4 + 2.0 * pi * speed * SWINGS / fastest(0.4)
     assert KnockingTrain._step_s(train, 0.4) == pytest.approx(2.0 * pi / (PER_SWING * fastest(ahead)))
 

@@ -81,14 +81,13 @@ def test_a_train_under_even_torques_moves_with_even_acceleration(monkeypatch: py
 
     monkeypatch.setattr(train_knocks, "moments_n_mm", moments)
     pairs = [Made(meshing=Made(impact=None))] * 2
-    along: Any = Made(slope=np.array([2.0]), driven=np.array([0.5]), asked=np.array([[4.0], [1.0]]))
-    state = (0.1, 0.2, 3.0, 4.0)
-    owner: Any = Made(between=10.0, pairs=pairs)
-    borne, last, met = train_knocks.KnockingTrain._stepped(
-        owner, state, [["first"], ["second"], ["held"]], along, slice(0, 1), step
-    )
+    along: Any = Made(slope=np.array([[1.0], [2.0]]), inertia=np.array([[10.0], [0.5]]), asked=np.array([[4.0], [1.0]]))
+    state = train_knocks._State([0.1, 0.2], [3.0, 4.0])
+    owner: Any = Made(pairs=pairs)
+    near: Any = [[["first"], ["second"]], [["held"]]]
+    borne, last, met = train_knocks.KnockingTrain._stepped(owner, state, near, along, slice(0, 1), step)
     time = held * step
-    assert last == pytest.approx(
+    assert [*last.ahead_rad, *last.momentum] == pytest.approx(
         (
             0.1 + 0.3 * time - 0.5 * 0.5 * time**2,
             0.2 + 8.0 * time + 0.5 * 8.0 * time**2,
@@ -96,7 +95,7 @@ def test_a_train_under_even_torques_moves_with_even_acceleration(monkeypatch: py
             4.0 + 4.0 * time,
         )
     )
-    assert (borne.shape, borne[..., 0].tolist(), met) == ((2, 2, held), [[6.5, 4.5], [7.0, 5.0]], ([], []))
+    assert (borne.shape, borne[..., 0].tolist(), met) == ((2, 2, held), [[6.5, 4.5], [7.0, 5.0]], [])
     for near in ("first", "second", "held"):
         times = [later for one, later in asked if one == near]
         assert times == pytest.approx(step * (np.arange(held + 1) - held / 2.0))

@@ -18,7 +18,7 @@ from shapely import LinearRing, Point, Polygon, box, points
 from ncgear.cli.lookup import _into_settings
 from ncgear.cli.progress import Lines
 from ncgear.drivetrain.shafts import STEELS, BentShaft, ShaftSection, shaft_safety
-from ncgear.dynamics.train_knocks import KnockingTrain
+from ncgear.dynamics import train_knocks
 from ncgear.errors import Unanswered
 from ncgear.figures.advice.law_advice import stretches_in_words
 from ncgear.files import measured
@@ -164,10 +164,9 @@ def test_a_drawn_bore_is_its_circle_and_keyway_to_the_drawn_width() -> None:
 @pytest.mark.judges("dynamics")
 def test_two_bodies_swing_on_the_teeth_of_their_pairs() -> None:
     """The shaft between turns at 3/2 rad/s, so that the ratio 0.5 asks for 0.75 of the crank, which does 6/4."""
-    train: Any = object.__new__(KnockingTrain)
-    object.__setattr__(train, "between", 2.0)
-    along: Any = Made(slope=np.array([0.5]), driven=np.array([4.0]), own=np.array([[1.0], [10.0]]))
-    assert train._momenta((0.0, 0.0, 3.0, 6.0), along, slice(None)) == pytest.approx([3.0, 10.0 * (1.5 - 0.75)])
+    along: Any = Made(slope=np.array([[1.0], [0.5]]), inertia=np.array([[2.0], [4.0]]), own=np.array([[2.0], [10.0]]))
+    state: Any = Made(momentum=[3.0, 6.0])
+    assert train_knocks._momenta(state, along, slice(None)) == pytest.approx([3.0, 10.0 * (1.5 - 0.75)])
 
 
 @pytest.mark.judges("files")

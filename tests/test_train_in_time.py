@@ -20,9 +20,10 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.periodic_table import PeriodicTable
 from test_flank_changes import INERTIA, LEVER_MM, PLAY_RAD, SPEED, TURN, TURNING, saw, teeth
 from test_series_shafts import TEXT
-from test_train_knocks import ALONG_MM, SLOPE, damping, rubbing, slower
+from test_train_knocks import ALONG_MM, SLOPES, damping, rubbing, with_slope
 
 Array = np.ndarray
+SLOPE = SLOPES[-1]
 TORQUE = 1e5
 """Slope of the saw-shaped torque in N mm/rad."""
 
@@ -53,7 +54,7 @@ def full(meshing: Meshing) -> Meshing:
 
 def machine(between: float, rub: float = 0.0, share: float = 0.2) -> ToothedMachine:
     one = full(rubbing(teeth(damping=damping(share, between)), rub))
-    return ToothedMachine(EvenDrive(SPEED), slower(one), sawing(), (one,), (between,))
+    return ToothedMachine(EvenDrive(SPEED), with_slope(one, SLOPE), sawing(), (one,), (between,))
 
 
 def started_at(phi1_rad: float) -> Array:
