@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from drives import drive_of_text
 from ncgear.dynamics.flank_changes import BorneTorque, borne_torque
 from ncgear.dynamics.meshing import Friction, Impact, Meshing
 from ncgear.dynamics.train_knocks import KnockingTrain, TrainPair
@@ -152,3 +153,27 @@ def test_torques_that_neither_turn_nor_jump_are_borne_as_they_are() -> None:
     found = replace(one, pairs=tuple(replace(pair, asked=steady) for pair in one.pairs)).borne(TURN)
     assert [borne.knocks for borne in found] == [(), ()]
     assert found[1].cycle_rad == pytest.approx(TURN)
+
+
+THREE = """\
+name: three
+operation: {speed_rpm: 200}
+motion: {law: ratio_expression, ratio: 1 + 0.3*cos(phi), scale_to_close: true}
+gears: {pairs: 3, teeth: 36, module_mm: 2, face_width_mm: 15, backlash_mm: 0.08, material: 18CrNiMo7-6}
+masses: {shaft_kg_mm2: 60000, shaft_between_kg_mm2: [20000, 20000]}
+resistance: {polynomial_n_m: [12]}
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.judges("dynamics")
+def test_three_pairs_press_as_hard_as_in_time() -> None:
+    """Knocks of every pair, against the whole nonlinear machine: 1.06, 1.05 and 1.08; without knocks under a half."""
+    drive = drive_of_text(THREE)
+    peaks = drive.peaks_of(drive.course).of_pairs
+    for pair, (pushing, back) in zip(drive.by_stage, peaks, strict=True):
+        in_time = max(pushing.value, back.value)
+        assert pair.strength_by("estimate").peak_pair_n == pytest.approx(in_time, rel=0.15)
+        still = pair.loading_by("estimate").still
+        assert still is not None
+        assert still.contacts.of_pairs().force_n.max() < 0.7 * in_time
