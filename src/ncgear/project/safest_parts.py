@@ -1,7 +1,7 @@
 """Parts of a ratio with which the weakest of all pairs in series is as safe as it can be.
 
-All pairs pass the same power and have gears of one size, so the parts move the safeties by a few per cent only: of a
-ratio in proportion to (1 + 0.4 cos phi1)^2 by 1 to 11 %, over all parts of two pairs and under five torques.  Where the
+All pairs pass the same power and have gears of one size, so the parts move the safeties little: of a
+ratio in proportion to (1 + 0.4 cos phi1)^2 by 1 to 15 %, over all parts of two pairs and under five torques.  Where the
 torque is small while the driven shaft is fast, the safest parts make all pairs equally safe
 (tests/test_shared_pairs.py); under an even torque one pair stays the weaker whatever its part.
 """
