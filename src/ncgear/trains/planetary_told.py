@@ -100,7 +100,7 @@ def _closing(train: Train) -> TrainCondition:
     ends = train.poses_at(np.array([0.0, train.cycle_rad]))
     turned = np.diff(ends.angle_rad - ends.angle_rad[train.number("carrier")])[:, 0] / (2.0 * pi)
     missed = float(np.abs(turned - np.round(turned)).max()) * 2.0 * pi
-    said = f"closes within {missed:.2g} rad; every arm is the same chain about one sun, for any number of teeth"
+    said = f"closes within {missed:.2g} rad; the gears of every arm are the same, for any number of teeth"
     return TrainCondition("assembly", missed < CLOSED_RAD, said)
 
 
