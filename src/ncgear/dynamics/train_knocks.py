@@ -217,7 +217,7 @@ class KnockingTrain:
         """
         ahead, momentum, half = list(state.ahead_rad), list(state.momentum), 0.5 * step_s
         impacts, bodies = [pair.meshing.impact for pair in self.pairs], range(len(self.pairs))
-        turns, holds = (list(zip(*rows, strict=True)) or [()] * along.slope[0, part].size for rows in near)
+        turns, holds = (list(zip(*rows, strict=True)) for rows in near)
         columns = (values[:, part].T.tolist() for values in (along.slope, along.inertia, along.asked))
         later_s = [step_s * (step + 1 - HELD / 2) for step in range(HELD)]
         met, every = list[tuple[int, int, float]](), list[tuple[list[float], list[float]]]()
