@@ -75,11 +75,11 @@ class RoughStrength:
 
     @property
     def holds(self) -> bool:
-        """Whether no tooth is found too weak and no reason is left to look at the teeth; rings hold by RINGS_HOLD."""
+        """Whether every safety is the wanted one, and no reason asks to look at the teeth; rings hold by RINGS_HOLD."""
         reasons = {self.needs_teeth, self.jam_needs_teeth} - {""}
         by_ring = all(safety.safety >= RINGS_HOLD * safety.wanted for safety in self.safeties)
         enough = all(safety.safety >= safety.wanted for safety in self.safeties)
-        return enough and not (self.weak or self.unjudged) and (not reasons or (reasons == {OF_A_RING} and by_ring))
+        return enough and not self.unjudged and (not reasons or (reasons == {OF_A_RING} and by_ring))
 
     @property
     def weak(self) -> list[RoughSafety]:

@@ -41,20 +41,21 @@ def safest_parts(share: Callable[[Parts, int], float], count: int) -> Parts:
     """
     from scipy.optimize import minimize
 
-    rated, refused = list[tuple[float, Parts]](), list[DesignError]()
+    rated, refused = dict[Parts, float](), list[DesignError]()
 
     def danger(logarithms: Array) -> float:
         parts = np.exp([*logarithms, 0.0])
         shares: Parts = tuple((parts / parts.sum()).tolist())
-        try:
-            safety = min(share(shares, pair) for pair in range(count))
-        except DesignError as refusal:
-            refused.append(refusal)
-            return 0.0
-        if isinf(safety):
+        # The search comes back to its bounds and corners.
+        if shares not in rated:
+            try:
+                rated[shares] = min(share(shares, pair) for pair in range(count))
+            except DesignError as refusal:
+                refused.append(refusal)
+                rated[shares] = 0.0
+        if isinf(rated[shares]):
             raise WrongInput("the teeth carry no load at any angle, so no parts are safer", key="resistance")
-        rated.append((safety, shares))
-        return -safety
+        return -rated[shares]
 
     begin = np.zeros(count - 1)
     options = {
@@ -65,6 +66,6 @@ def safest_parts(share: Callable[[Parts, int], float], count: int) -> Parts:
     }
     bounds = [(-WIDEST, WIDEST)] * (count - 1)
     minimize(danger, begin, method="Nelder-Mead", bounds=bounds, options=options)
-    if not rated:
+    if not any(rated.values()):
         raise refused[0]
-    return max(rated, key=lambda found: found[0])[1]
+    return max(rated, key=rated.__getitem__)
