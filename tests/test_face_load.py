@@ -279,8 +279,8 @@ def test_bodies_twist_by_a_closed_form() -> None:
     k = sqrt(stiffness * radius**2 / (G_MPA * pi * radius**4 / 2.0)) * WIDTH
     expected = k / np.tanh(k)
     force = np.array([1000.0])
-    found = largest_line_load(at, np.zeros(17), twisting, np.array([stiffness]), force) * WIDTH / force
-    assert found[0] == pytest.approx(expected, rel=1e-3)
+    found = largest_line_load(at, np.zeros((1, 1, 17)), twisting[None], np.array([stiffness]), force) * WIDTH / force
+    assert found[0, 0] == pytest.approx(expected, rel=1e-3)
     assert expected > 1.05
     assert factor(bent, pressed(1000.0)) < factor(model, pressed(1000.0, arm_mm=radius))
 
@@ -310,7 +310,9 @@ def test_wider_spans_are_worse() -> None:
 def test_what_is_not_balanced_is_refused() -> None:
     """A compliance that is no number, as no shaft has, is not passed on."""
     with pytest.raises(NoSuchMechanism, match="along the face width is not found"):
-        largest_line_load(np.arange(17.0), np.zeros(17), np.full((17, 17), np.nan), np.array([2e4]), np.array([1e3]))
+        largest_line_load(
+            np.arange(17.0), np.zeros((1, 1, 17)), np.full((1, 17, 17), np.nan), np.array([2e4]), np.array([1e3])
+        )
 
 
 @pytest.mark.slow

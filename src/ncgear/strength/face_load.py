@@ -218,11 +218,8 @@ class FaceModel:
             gap = gap + (force[:, None] * loads.couples_mm[pressed]) @ tilts
         askew = self.askew_mm * at / self.width_mm
         senses = (0.0, 1.0, -1.0) if self.askew_mm else (0.0,)
-        gaps, each = np.concatenate([gap + sense * askew for sense in senses]), (len(senses), 1, 1)
-        loads_n_mm = largest_line_load(
-            at, gaps, np.tile(compliance, each), np.tile(stiffness, len(senses)), np.tile(force, len(senses))
-        )
-        found[pressed] = loads_n_mm.reshape(len(senses), -1).max(axis=0) * self.width_mm / force
+        gaps = np.stack([gap + sense * askew for sense in senses])
+        found[pressed] = largest_line_load(at, gaps, compliance, stiffness, force).max(axis=0) * self.width_mm / force
         return found
 
     def _twist(self, at_mm: Array, arms_mm: Array) -> Array:
@@ -277,7 +274,8 @@ def _mean_line(at_mm: Array) -> Array:
 
 def _over_width(at_mm: Array) -> Array:
     """From a load for each mm of width at places to its forces on the places, shape (places, places)."""
-    return np.asarray(_hats(np.tile([0.0, 1.0], (1, at_mm.size - 1, 1)), np.diff(at_mm))[0])
+    (own,), (beside,) = _hats(np.tile([0.0, 1.0], (1, at_mm.size - 1, 1)), np.diff(at_mm))
+    return np.diag(own) + np.diag(beside, 1) + np.diag(beside, -1)
 
 
 STEPS = 40
@@ -293,48 +291,70 @@ BALANCED = 1e-8
 
 
 def largest_line_load(at_mm: Array, gap_mm: Array, compliance: Array, stiffness: Array, force_n: Array) -> Array:
-    """The largest load for each mm of width in N/mm at n positions, shape (n,).
+    """The largest load for each mm of width in N/mm at n positions, shape (k, n), of each of k gaps.
 
-    ``gap_mm`` (shape (n, m) or (m,)) is g_0 at the places ``at_mm`` (m,) from one end of the width to the other,
-    ``compliance`` (n, m, m) or (m, m) is A in mm/N, ``stiffness`` (n,) is c in N/mm2 and ``force_n`` (n,) is above 0.
+    ``gap_mm`` (shape (k, n, m)) is g_0 at the places ``at_mm`` (m,) from one end of the width to the other,
+    ``compliance`` (n, m, m) is A in mm/N, ``stiffness`` (n,) is c in N/mm2 and ``force_n`` (n,) is above 0.
     Raises NoSuchMechanism where the equations cannot be met.
     """
-    count, places = force_n.size, compliance.shape[-1]
+    kinds, count, places = gap_mm.shape
     # The loads that gaps and ways by which both gears yield take off a spring.
-    off, yielding = stiffness[:, None] * gap_mm, stiffness[:, None, None] * compliance
-    part_mm, mean = np.diff(at_mm), force_n / float(np.ptp(at_mm))
-    load, active = np.ones((count, places)), np.broadcast_to([0.0, 1.0], (count, places - 1, 2)).copy()
-    todo = np.arange(count)
+    yielding = stiffness[:, None, None] * compliance
+    off = (stiffness[:, None] * gap_mm).reshape(-1, places)
+    part_mm, force = np.diff(at_mm), np.tile(force_n, kinds)
+    whole = np.broadcast_to([0.0, 1.0], (1, places - 1, 2))
+    matrix = _equations(yielding, _hats(whole, part_mm))
+    right = np.concatenate([-off, force[:, None]], axis=1)
+    # Where all of the width presses, all gaps have the same matrix.
+    sides = right.reshape(kinds, count, places + 1).transpose(1, 2, 0)
+    load = np.linalg.solve(matrix, sides)[:, :-1].transpose(2, 0, 1).reshape(-1, places)
+    active = np.repeat(whole, len(load), axis=0)
+    todo = np.arange(len(load))
     for step in range(STEPS):
-        hats = _hats(active[todo], part_mm)
-        matrix = np.empty((todo.size, places + 1, places + 1))
-        matrix[:, :-1, :-1] = yielding[todo] @ hats
-        matrix[:, range(places), range(places)] += 1.0
-        matrix[:, :-1, -1], matrix[:, -1, -1] = -1.0, 0.0
-        matrix[:, -1, :-1] = hats.sum(axis=1)
-        right = np.column_stack([-off[todo], force_n[todo]])
-        found = np.linalg.solve(matrix, right[..., None])[:, :-1, 0]
-        load[todo] = found if step < HALVED else (found + load[todo]) / 2.0
         pressing = _pressing(load[todo])
         stays = np.abs(pressing - active[todo]).max(axis=(1, 2)) < STAYS
         active[todo] = pressing
         todo = todo[~stays]
         if not todo.size:
             break
-    borne = (_hats(active, part_mm) @ load[..., None])[..., 0]
-    short = np.abs(borne.sum(axis=1) / force_n - 1.0)
+        matrix = _equations(yielding[todo % count], _hats(active[todo], part_mm))
+        found = np.linalg.solve(matrix, right[todo][..., None])[:, :-1, 0]
+        load[todo] = found if step < HALVED else (found + load[todo]) / 2.0
+    own, beside = _hats(active, part_mm)
+    borne = own * load
+    borne[:, 1:] += beside * load[:, :-1]
+    borne[:, :-1] += beside * load[:, 1:]
+    short = np.abs(borne.sum(axis=1) / force - 1.0)
     # The approach x is the same at all places.
-    approach = load + off + (yielding @ borne[..., None])[..., 0]
-    uneven = np.ptp(approach, axis=1) / (mean + np.abs(approach).max(axis=1))
+    yields = np.einsum("nij,knj->kni", yielding, borne.reshape(gap_mm.shape)).reshape(-1, places)
+    approach = load + off + yields
+    uneven = np.ptp(approach, axis=1) / (force / float(np.ptp(at_mm)) + np.abs(approach).max(axis=1))
     missed = np.flatnonzero(~((short < BALANCED) & (uneven < BALANCED)))
     if missed.size:
         raise NoSuchMechanism(
-            f"the load along the face width is not found at {missed.size} of {count} positions: gaps and forces miss "
-            f"their equations by {max(short[missed].max(), uneven[missed].max()):.1g}; strength.face_load_factor may "
-            "be given in its place",
+            f"the load along the face width is not found at {missed.size} of {len(load)} positions: gaps and forces "
+            f"miss their equations by {max(short[missed].max(), uneven[missed].max()):.1g}; "
+            "strength.face_load_factor may be given in its place",
             key="drivetrain",
         )
-    return np.asarray(load.max(axis=1))
+    return np.asarray(load.max(axis=1)).reshape(kinds, count)
+
+
+def _equations(yielding: Array, hats: tuple[Array, Array]) -> Array:
+    """The matrix of the equations of all places and of the force, shape (n, m + 1, m + 1)."""
+    own, beside = hats
+    places = own.shape[1]
+    matrix = np.empty((len(yielding), places + 1, places + 1))
+    loads = matrix[:, :-1, :-1]
+    np.multiply(yielding, own[:, None], out=loads)
+    loads[:, :, 1:] += yielding[:, :, :-1] * beside[:, None]
+    loads[:, :, :-1] += yielding[:, :, 1:] * beside[:, None]
+    loads[:, range(places), range(places)] += 1.0
+    matrix[:, :-1, -1], matrix[:, -1, -1] = -1.0, 0.0
+    matrix[:, -1, :-1] = own
+    matrix[:, -1, 1:-1] += beside
+    matrix[:, -1, :-2] += beside
+    return matrix
 
 
 def _pressing(load: Array) -> Array:
@@ -347,13 +367,11 @@ def _pressing(load: Array) -> Array:
     return np.stack([begin, end], axis=-1)
 
 
-def _hats(active: Array, part_mm: Array) -> Array:
-    """The integrals of products of hat functions over the pressing stretches, shape (n, m, m), tridiagonal."""
-    places = active.shape[1] + 1
+def _hats(active: Array, part_mm: Array) -> tuple[Array, Array]:
+    """The integrals of products of hat functions over the pressing stretches: squares (n, m), neighbours (n, m - 1)."""
     first, squared = np.diff(active)[..., 0], active * active
-    second, third = (np.diff(one)[..., 0] / k for one, k in ((squared, 2.0), (squared * active, 3.0)))
-    hats = np.zeros((active.shape[0], places * places))
-    hats[:, : -1 : places + 1] = part_mm * (first - 2.0 * second + third)
-    hats[:, places + 1 :: places + 1] += part_mm * third
-    hats[:, 1 :: places + 1] = hats[:, places :: places + 1] = part_mm * (second - third)
-    return hats.reshape(-1, places, places)
+    second, third = (np.diff(power)[..., 0] / k for power, k in ((squared, 2.0), (squared * active, 3.0)))
+    own = np.zeros((active.shape[0], active.shape[1] + 1))
+    own[:, :-1] = part_mm * (first - 2.0 * second + third)
+    own[:, 1:] += part_mm * third
+    return own, part_mm * (second - third)
