@@ -26,6 +26,8 @@ import numpy as np
 
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray
+from ncgear.ratio.laws.harmonic import harmonic_law, series_of
+from ncgear.ratio.transmission import Lobes, Transmission
 
 HARMONICS = 24
 """Harmonics of u - w: two for each of a dozen points; the smoothing leaves few of them large."""
@@ -129,6 +131,12 @@ class TipMotion:
         """Angles w that divide a turn evenly, and du/dw there, shape (count,) each."""
         w = np.linspace(0.0, 2.0 * pi, count, endpoint=False)
         return w, self.carrier_rad(w, 1)
+
+    @cached_property
+    def law(self) -> Transmission:
+        """The planet's angle w by the carrier's u, both from the first place on."""
+        series = series_of(np.log(self.ratio(FINE)[1]), FINE // 16)
+        return harmonic_law(series.cosine, series.sine, Lobes())
 
     @cached_property
     def turn(self) -> tuple[Array, Array]:

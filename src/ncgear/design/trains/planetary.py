@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from math import degrees, radians
+from math import cos, degrees, pi, radians
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
@@ -12,12 +12,13 @@ from pydantic import Field
 from ncgear.design.keys.base import Faults, Length, Model, Several, fault, optional, required
 from ncgear.design.trains.base import RatedGears, RatedTrain, with_sound_bodies
 from ncgear.design.trains.tip_path import TipPathKeys
-from ncgear.errors import WrongInput, below, renamed
+from ncgear.errors import NoSuchMechanism, WrongInput, below, renamed
 from ncgear.numerics.units import RAD_S_PER_RPM, STANDARD_GRAVITY_M_S2
 
 if TYPE_CHECKING:
     from ncgear.numerics.arrays import Array
     from ncgear.pitch.pair import PitchPair
+    from ncgear.ratio.laws.shared_idler import SharedIdler
     from ncgear.ratio.transmission import Transmission
     from ncgear.teeth.gear import ToothedPair
     from ncgear.trains.loads import PutMass
@@ -89,7 +90,7 @@ class Planetary(RatedTrain):
     )
     bend_deg: Annotated[float, Field(ge=-150.0, le=150.0)] | None = optional(
         "of a shared idler: angle in degrees from the line from sun to idler to the line from idler to planet; "
-        "left out: straight"
+        "left out: straight, and with a path 42.492 to the side on which teeth have less pressure angle"
     )
     ratio: Annotated[Several[Ratio], Field(min_length=4, max_length=720)] | None = optional(
         "speed of the carrier against the sun over the speed of the planet (compound) or idler (shared), at evenly "
@@ -152,15 +153,12 @@ class Planetary(RatedTrain):
             if self.gears.module_mm is None and self.gears.center_distance_mm is None:
                 yield fault("gears", "module_mm or center_distance_mm is missing; give one of them")
             return
-        if self.idler != "compound":
-            why = {
-                "shared": "an idler that meshes with sun and planet makes odd harmonics of the ratio only, and a path "
-                "has others",
-                "ring": "a planet in a ring turns several times a cycle, and an arm along a path once",
-            }
-            yield fault("idler", f"{self.idler} given, but {why[self.idler]}; compound is right")
-        if self.gears.center_distance_mm is not None:
-            yield fault("gears.center_distance_mm", "given, but it follows from the path; leave it out")
+        if self.idler == "ring":
+            why = "a planet in a ring turns several times a cycle, and an arm along a path once"
+            yield fault("idler", f"ring given, but {why}; compound or shared is right")
+        for key in ("center_distance_mm", *["module_mm"] * (self.idler == "shared")):
+            if getattr(self.gears, key) is not None:
+                yield fault(f"gears.{key}", "given, but it follows from the path; leave it out")
         if self.sun_turns != 0.0:
             yield fault("sun_turns", "given, but the path is that of an arm about a sun that stands; leave it out")
 
@@ -193,7 +191,13 @@ class Planetary(RatedTrain):
         motion: dict[str, Any] = {"law": "spline_ratio", "ratio": self._ratio(path[0]).tolist()}
         kept = ("teeth", "module_mm", "center_distance_mm", "face_width_mm", "rack", "backlash_mm", "material")
         gears = {key: given["gears"][key] for key in kept if key in given["gears"]}
-        if self.idler == "shared":
+        if self.idler == "shared" and path[0] is not None:
+            idler, pitch, bend_rad = self._led(path[0])
+            series = idler.series
+            motion = {"law": "harmonic_ratio", "cosine": series.cosine.tolist(), "sine": series.sine.tolist()}
+            gears |= {"center_distance_mm": float(pitch.center_distance_mm)}
+            gears |= {"idlers": {"lobes": [1], "bends_deg": [-degrees(bend_rad)]}}
+        elif self.idler == "shared":
             bends = {"bends_deg": [-self.bend_deg]} if self.bend_deg else {}
             gears["idlers"] = {"lobes": [1], **bends}
         else:
@@ -327,8 +331,12 @@ class Planetary(RatedTrain):
             pitch = self._pitch(law, gears.center_distance_mm, ring=True)
             return (pitch,), ring_chain(pitch, self._teeth(pitch))
         if self.idler == "shared":
-            pitch = self._pitch(spline_ratio_law(angles, ratio, Lobes()), gears.center_distance_mm)
-            return (pitch,), shared_chain(pitch, self._teeth(pitch), radians(self.bend_deg or 0.0))
+            if motion is None:
+                law = spline_ratio_law(angles, ratio, Lobes())
+                pitch, bend_rad = self._pitch(law, gears.center_distance_mm), radians(self.bend_deg or 0.0)
+            else:
+                _, pitch, bend_rad = self._led(motion)
+            return (pitch,), shared_chain(pitch, self._teeth(pitch), bend_rad)
         laws = [pair.transmission for pair in spline_ratio_staged(angles, ratio, np.sqrt(ratio)).train.pairs]
         distances = [gears.center_distance_mm] * 2
         if motion is not None and gears.module_mm is None:
@@ -336,6 +344,35 @@ class Planetary(RatedTrain):
         first, second = (self._pitch(law, distance) for law, distance in zip(laws, distances, strict=True))
         carrier_mm = first.center_distance_mm + second.center_distance_mm if motion is None else motion.carrier_mm
         return (first, second), compound_chain((first, second), (self._teeth(first), self._teeth(second)), carrier_mm)
+
+    def _led(self, motion: TipMotion) -> tuple[SharedIdler, PitchPair, float]:
+        """The idler that leads the tip along a path, sun and idler, and the bend in rad: of two that of less pressure.
+
+        Raises NoSuchMechanism where no idler makes the path's law, or with more pressure angle than its limit.
+        """
+        from ncgear.ratio.laws.shared_idler import GOLDEN_RAD, shared_by_idler
+
+        bends = [pi - GOLDEN_RAD, GOLDEN_RAD - pi] if self.bend_deg is None else [radians(self.bend_deg)]
+        found: list[tuple[float, SharedIdler, PitchPair, float]] = []
+        refusals: list[NoSuchMechanism] = []
+        for bend_rad in bends:
+            try:
+                idler = shared_by_idler(motion.law, pi - bend_rad, "train.bend_deg")
+            except NoSuchMechanism as refused:
+                refusals.append(refused)
+                continue
+            pitch = self._pitch(idler.first, motion.carrier_mm / (2.0 * cos(bend_rad / 2.0)))
+            found.append((pitch.largest_pressure_angle_deg(self.gears.pressure_angle_rad), idler, pitch, bend_rad))
+        if not found:
+            raise refusals[0]
+        pressure, idler, pitch, bend_rad = min(found, key=lambda each: each[0])
+        if self.path is not None and pressure > self.path.pressure_angle_deg:
+            raise NoSuchMechanism(
+                f"the gears of a shared idler have a pressure angle of {pressure:.4g} deg, and "
+                f"{self.path.pressure_angle_deg:g} is the most; a compound idler is right, or a larger tolerance",
+                key="train.path.pressure_angle_deg",
+            )
+        return idler, pitch, bend_rad
 
     def _pitch(self, transmission: Transmission, distance_mm: float | None, *, ring: bool = False) -> PitchPair:
         from ncgear.pitch.pair import sized_pair

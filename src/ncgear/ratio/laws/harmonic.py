@@ -56,6 +56,21 @@ class LogSeries:
         return Jet(rows[0] @ turned.real + rows[1] @ turned.imag)
 
 
+def series_of(values: Array, most: int) -> LogSeries:
+    """The series, of at most ``most`` harmonics, through values at evenly spaced points of [0, 2 pi), shape (n,).
+
+    The mean is left out, and so are the last harmonics below NOISE.
+    """
+    waves = np.fft.rfft(values)[1 : most + 1] * (2.0 / values.size)
+    heard = np.nonzero(np.abs(waves) > NOISE)[0]
+    kept = waves[: heard[-1] + 1 if heard.size else 0]
+    return LogSeries(kept.real, -kept.imag)
+
+
+NOISE = 1e-13
+"""Harmonics below this are rounding, which some thousand values leave."""
+
+
 def harmonic_law(cosine: Array, sine: Array, lobes: Lobes) -> Transmission:
     """The law of coefficients from the first harmonic on, shapes (m,) and (n,); no coefficients are the uniform law.
 

@@ -1,0 +1,126 @@
+"""A law made by three gears in a row, whose idler meshes with both others: ``ratio/laws/shared_idler.py``.
+
+The judge composes both meshes by the pitch curves of a row, which know nothing of the whole law.
+"""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from math import pi
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+from pydantic import ValidationError
+
+from drives import DESIGNS, drive_of_text
+from ncgear.design.trains.planetary import Planetary
+from ncgear.errors import NoSuchMechanism
+from ncgear.ratio.laws.harmonic import harmonic_law
+from ncgear.ratio.laws.row import row_angle, row_laws
+from ncgear.ratio.laws.shared_idler import GOLDEN_RAD, KEPT_RAD, shared_by_idler
+from ncgear.ratio.laws.spline import even_steps, spline_ratio_law
+from ncgear.ratio.transmission import Lobes, Transmission
+
+GOLDEN_BEND = pi - GOLDEN_RAD
+PHI1 = np.linspace(0.0, 2.0 * pi, 701)[:-1]
+
+
+def composed(first: Transmission, bend_rad: float) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """The last gear's angle at PHI1, by the curves of a row that bends by ``bend_rad`` at its idler."""
+    return row_angle(row_laws(first, (1, 1, 1), (0.0, bend_rad), "bends_deg"), PHI1, 0).value
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize(
+    "law",
+    [
+        harmonic_law(np.array([0.3, 0.2, 0.1]), np.array([0.1, -0.2]), Lobes()),
+        spline_ratio_law(even_steps(8), np.array([0.7, 1.0, 1.5, 1.1, 0.9, 1.3, 0.8, 1.0]), Lobes()),
+    ],
+    ids=["analytic", "spline"],
+)
+def test_the_row_turns_its_last_gear_as_prescribed(law: Transmission, sign: float) -> None:
+    made = shared_by_idler(law, pi + sign * GOLDEN_BEND, "k")
+    missed = np.abs(composed(made.first, sign * GOLDEN_BEND) - law.driven_angle(PHI1).value).max()
+    # The row's own curves are good to 1e-10
+    assert missed < made.missed_rad * 1.1 + 1e-10 < KEPT_RAD
+    other = np.abs(composed(made.first, -sign * GOLDEN_BEND) - law.driven_angle(PHI1).value).max()
+    assert other > 0.05
+
+
+def test_a_first_mesh_is_found_again_from_the_row_that_it_makes() -> None:
+    cosine, sine = np.array([0.2, 0.1, 0.0, 0.03]), np.array([0.0, -0.1, 0.05, 0.0])
+    whole = composed_law(harmonic_law(cosine, sine, Lobes()), GOLDEN_BEND)
+    series = shared_by_idler(whole, pi + GOLDEN_BEND, "k").series
+    found = np.pad(series.cosine, (0, 4))[:4], np.pad(series.sine, (0, 4))[:4]
+    assert np.abs(np.array(found) - [cosine, sine]).max() < 1e-8
+    assert np.abs(series.cosine[4:]).max(initial=0.0) < 1e-8
+
+
+def composed_law(first: Transmission, bend_rad: float) -> Transmission:
+    """The whole law of a row by the same curves, as harmonics of its ratio over the last gear's angle."""
+    from ncgear.ratio.laws.row import row_train
+
+    return row_train(row_laws(first, (1, 1, 1), (0.0, bend_rad), "bends_deg")).whole
+
+
+@pytest.mark.parametrize("bend_deg", [0.0, 40.0])
+def test_bends_of_simple_fractions_of_a_turn_are_refused(bend_deg: float) -> None:
+    law = harmonic_law(np.array([0.3, 0.2, 0.1]), np.array([0.1, -0.2]), Lobes())
+    with pytest.raises(NoSuchMechanism, match=f"turns by {bend_deg:g} degrees; .* 42.492 degrees"):
+        shared_by_idler(law, pi + np.radians(bend_deg), "k")
+
+
+def keys_of(**changed: Any) -> dict[str, Any]:
+    """The worked transplanter's keys with an idler that sun and planet share, no masses, its axis near the best."""
+    keys = yaml.safe_load((DESIGNS / "transplanter.yaml").read_text())["train"]
+    keys["path"] = {key: value for key, value in keys["path"].items() if not key.startswith("axis_")}
+    keys["path"] |= {"axis_mm": [10.6, 244.4]}
+    gears = {key: value for key, value in keys["gears"].items() if key != "module_mm"}
+    given = {key: value for key, value in keys.items() if key not in ("kind", "masses")}
+    return given | {"idler": "shared", "gears": gears | changed.pop("gears", {})} | changed
+
+
+@cache
+def led() -> Planetary:
+    return Planetary.model_validate(keys_of())
+
+
+def test_one_idler_leads_a_tip_past_all_points() -> None:
+    train = led().train()
+    assert [part.name for part in train.parts if part.teeth] == ["sun", "idler_1", "planet_1", "idler_2", "planet_2"]
+    (passed,) = [condition for condition in train.told.conditions if condition.name == "path"]
+    assert passed.holds
+    motion, _ = led()._sought()
+    assert motion is not None
+    # The path of carrier and arm, which knows no gears; the carrier turns as the driving shaft
+    w = np.linspace(0.0, 2.0 * pi, 301)
+    tip = train.trace_mm(train.traces[0], motion.carrier_rad(w) - motion.carrier_rad(np.zeros(1)))
+    assert np.abs(tip[:, 0] + 1j * tip[:, 1] - motion.tip(w)).max() < KEPT_RAD * motion.arm_mm
+    # The same gears on fixed axes, as strength rates them
+    row = drive_of_text(json.dumps({"name": "arm", **(led().machine() or {})}))
+    turned = row.law.train.whole.driven_angle(PHI1).value
+    assert np.abs(turned - motion.law.driven_angle(PHI1).value).max() < 10.0 * KEPT_RAD
+
+
+@pytest.mark.parametrize(
+    ("changed", "key", "right"),
+    [
+        ({"bend_deg": 40.0}, "train.bend_deg", "42.492 degrees to either side"),
+        ({"path": "50"}, "train.path.pressure_angle_deg", "a compound idler is right"),
+    ],
+)
+def test_paths_that_one_idler_does_not_make_are_refused(changed: dict[str, Any], key: str, right: str) -> None:
+    if "path" in changed:
+        changed = {"path": keys_of()["path"] | {"pressure_angle_deg": float(changed["path"])}}
+    with pytest.raises(NoSuchMechanism, match=right) as refused:
+        Planetary.model_validate(keys_of(**changed)).train()
+    assert refused.value.key == key
+
+
+def test_the_module_of_a_shared_idler_follows_from_the_path() -> None:
+    with pytest.raises(ValidationError, match="follows from the path"):
+        Planetary.model_validate(keys_of(gears={"module_mm": 2.0}))
