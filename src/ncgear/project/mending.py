@@ -267,9 +267,14 @@ class _Trials:
         return None
 
     def fewest(self) -> Mend | None:
-        """The least number of teeth that works: the number before it does not, unless time ends the search early."""
+        """The least number of teeth that works: the number before it does not, unless time ends the search early.
+
+        None for a file whose gears are others with other teeth: a path finds another arm.
+        """
         pair, fitted, mends = self._drive.by_stage[0], _fitted(self._drive), dict[int, Mend]()
         each, low = pair.transmission.lobes.teeth_step, pair.pitch.size.driving_teeth
+        if self._drive.design.key_in_file("gears.teeth") is None:
+            return None
 
         def does(teeth: int) -> bool | None:
             way = MendingWay((MendingSubject.FINER,), fitted | alternatives.resized(pair, teeth))
