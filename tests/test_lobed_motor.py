@@ -18,7 +18,7 @@ from shapely import LineString, Point, Polygon
 from drives import train_of
 from ncgear.design.reading.design_file import load_train
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.files.train import build_train
+from ncgear.files.train import judged_train, train_files
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.plane import as_points
 from ncgear.pitch.chambers import Chambers
@@ -353,11 +353,12 @@ def test_worked_files_are_built_and_keep_every_condition(name: str) -> None:
     """Every part has its outline and its solid, of the volume of the outline, and everything meets."""
     file = load_train(DESIGN.with_name(f"{name}.yaml")).file
     train = file.train.train()
-    built = build_train(file.name, file.description, train, lambda _: None)
-    assert all(one.holds for one in built.conditions if one.name != "teeth")
-    assert {"assembly.json", "summary.json", "train.glb", "train.png", "meshes.png"} <= set(built.files)
+    judged = judged_train(file.name, file.description, train, lambda _: None)
+    assert all(one.holds for one in judged.conditions if one.name != "teeth")
+    built = train_files(file.name, judged, lambda _: None)
+    assert {"assembly.json", "summary.json", "train.glb", "train.png", "meshes.png"} <= set(built)
     for part in train.parts:
-        solid = trimesh.load(io.BytesIO(built.files[f"{part.name}.stl"]), file_type="stl")
+        solid = trimesh.load(io.BytesIO(built[f"{part.name}.stl"]), file_type="stl")
         area = Polygon(part.outline_mm).area
         if part.rim_mm is not None:
             area = pi * part.reach_mm**2 - area

@@ -13,10 +13,11 @@ from ncgear.errors import WrongInput, located
 from ncgear.memory import keep_freed_memory
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from ncgear.design.reading.design_file import LoadedTrain
     from ncgear.drawings.animation import AnimationFormat
-    from ncgear.files.train import BuiltTrain
-    from ncgear.trains.train import Train
+    from ncgear.files.train import JudgedTrain
 
 
 def is_train(design_file: Path) -> bool:
@@ -79,31 +80,36 @@ def animated_train(
 
 def build_train(design_file: Path, out: Path | None, *, as_json: bool, verbose: bool) -> None:
     """Write all files of a train into a folder, and tell the written files and whether the train meshes."""
-    loaded, folder, train, built = _built(design_file, out)
+    from ncgear.files.train import STEPS, train_files
+
+    with steps_shown(1 + len(STEPS)) as on_step:
+        loaded, folder, judged = _judged(design_file, out, on_step)
+        with located(loaded.source):
+            files = train_files(loaded.file.name, judged, on_step)
 
     from ncgear.figures.trains import train_answer
     from ncgear.files.manifest import publish_run
 
-    file, run = loaded.file, publish_run(folder, built.files, "build")
-    answer = train_answer(file.name, file.description, train, built.conditions, f"open {folder / 'train.png'}")
-    tell(answer, built.figures, as_json=as_json, verbose=verbose, run=run)
+    file, run = loaded.file, publish_run(folder, files, "build")
+    answer = train_answer(file.name, file.description, judged.train, judged.conditions, f"open {folder / 'train.png'}")
+    tell(answer, judged.figures, as_json=as_json, verbose=verbose, run=run)
 
 
-def _built(design_file: Path, out: Path | None) -> tuple[LoadedTrain, Path, Train, BuiltTrain]:
-    """A train file, the folder for its files, the train, and all its files."""
+def _judged(
+    design_file: Path, out: Path | None, on_step: Callable[[str], None]
+) -> tuple[LoadedTrain, Path, JudgedTrain]:
+    """A train file, the folder for its files, and the train with the contact of its teeth."""
     from ncgear.design.reading.design_file import load_train
 
     keep_freed_memory()
     loaded = load_train(design_file)
     file, folder = loaded.file, prepared(out, loaded.file.name)
 
-    from ncgear.files.train import STEPS
-    from ncgear.files.train import build_train as build_files
+    from ncgear.files.train import judged_train
 
-    with located(loaded.source), steps_shown(1 + len(STEPS)) as on_step:
+    with located(loaded.source):
         on_step("train")
-        train = file.train.train()
-        return loaded, folder, train, build_files(file.name, file.description, train, on_step)
+        return loaded, folder, judged_train(file.name, file.description, file.train.train(), on_step)
 
 
 def reports_as_train(design_file: Path) -> bool:
@@ -116,15 +122,18 @@ def reports_as_train(design_file: Path) -> bool:
 
 def report_train(design_file: Path, out: Path | None, *, as_json: bool) -> None:
     """Write the page of a train as it runs, with the figures of a build."""
-    loaded, folder, train, built = _built(design_file, out)
+    from ncgear.files.train import JUDGING
+
+    with steps_shown(1 + len(JUDGING)) as on_step:
+        loaded, folder, judged = _judged(design_file, out, on_step)
 
     from ncgear.drawings.page import REPORT_FILE
     from ncgear.drawings.page.train_page import train_page
     from ncgear.figures.trains import train_answer
     from ncgear.files.manifest import publish_run
 
-    answer = train_answer(loaded.file.name, loaded.file.description, train, built.conditions, "")
-    page = train_page(train, answer, built.figures, design_file)
+    answer = train_answer(loaded.file.name, loaded.file.description, judged.train, judged.conditions, "")
+    page = train_page(judged.train, answer, judged.figures, design_file)
     run = publish_run(folder, {REPORT_FILE: page}, "report")
     said = f"{folder / REPORT_FILE} ({len(page) / 1e6:.1f} MB): open it in a browser"
-    tell_written(said, run.kept, [built.figures] if as_json else [])
+    tell_written(said, run.kept, [judged.figures] if as_json else [])

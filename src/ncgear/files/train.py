@@ -17,12 +17,13 @@ from ncgear.figures.numbers import json_text
 from ncgear.figures.tables import csv_text, outline_csv
 from ncgear.figures.trains import contact_figures, judged_contacts, poses_figures, train_figures
 from ncgear.files.read_back import outline_of_csv, stl_bytes
-from ncgear.files.workshop.solid_files import moving
+from ncgear.files.workshop.solid_files import Placed, archive, mesh_text, moving
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.plane import as_complex, as_points
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.solids.mesh.slabs import slab_mesh
+from ncgear.solids.mesh.triangles import TriangleMesh
 from ncgear.solids.plan.body import Slab, circle_points
 from ncgear.trains.contact import contacts_of, distances_of
 from ncgear.trains.train import Part, Train, TrainCondition
@@ -38,51 +39,75 @@ POSES = 721
 FRAMES = 241
 """Keys of the animation over a cycle."""
 
-STEPS = ("outlines", "solids", "contact", "pictures")
+STEPS = ("outlines", "contact", "solids", "drawings", "pictures")
 """The steps of a build of a train."""
+
+JUDGING = STEPS[:2]
+"""The steps that judge a train."""
 
 
 @dataclass(frozen=True, eq=False)
-class BuiltTrain:
-    """The files of a train by their names, its figures, and its conditions with the conditions of the written files."""
+class JudgedTrain:
+    """A train's outlines as written, its figures, and its conditions with those of the written outlines."""
 
-    files: Mapping[str, bytes]
+    train: Train
+    outlines_mm: Mapping[str, Array]
     figures: dict[str, Any]
     conditions: tuple[TrainCondition, ...]
 
 
-def build_train(name: str, description: str, train: Train, on_step: Callable[[str], None]) -> BuiltTrain:
-    """All files of a train; raises Unanswered where a solid is faulty or its file holds another solid."""
+def judged_train(name: str, description: str, train: Train, on_step: Callable[[str], None]) -> JudgedTrain:
+    """A train with the contact of its outlines, which are written and read back."""
     on_step(STEPS[0])
-    files = {f"{part.name}.csv": outline_csv(part.outline_mm).encode() for part in train.parts}
-    outlines = {part.name: outline_of_csv(files[f"{part.name}.csv"]) for part in train.parts}
+    read = {first: outline_of_csv(_outline(train.part(first))) for first in {*train.alike.values()}}
+    outlines = {name: read[first] for name, first in train.alike.items()}
     on_step(STEPS[1])
-    solids: dict[str, Trimesh] = {}
-    alike: dict[object, Trimesh] = {}
-    for part in train.parts:
-        # Equal planets are made once.
-        body = files[f"{part.name}.csv"], part.face_width_mm, part.bore_mm, part.rim_mm, part.holes
-        if body not in alike:
-            alike[body] = _solid(part, outlines[part.name], train.tolerance_mm)
-        solids[part.name] = alike[body]
-    files |= {f"{name}.stl": stl_bytes(solid) for name, solid in solids.items()}
-    on_step(STEPS[2])
     contacts, distances = contacts_of(train, outlines), distances_of(train, outlines)
     conditions = (*train.told.conditions, *judged_contacts(train, contacts, distances))
+    figures = train_figures(name, description, train, conditions) | contact_figures(contacts, distances)
+    return JudgedTrain(train, outlines, figures, conditions)
+
+
+def _outline(part: Part) -> bytes:
+    return outline_csv(part.outline_mm).encode()
+
+
+def train_files(name: str, judged: JudgedTrain, on_step: Callable[[str], None]) -> dict[str, bytes]:
+    """All files of a train by their names.
+
+    Raises Unanswered where a solid is faulty or its file holds another solid.
+    """
+    train, outlines = judged.train, judged.outlines_mm
+    on_step(STEPS[2])
+    # Equal planets are made once
+    made = {first: _solid(train.part(first), outlines[first], train.tolerance_mm) for first in {*train.alike.values()}}
+    written = {first: stl_bytes(solid) for first, solid in made.items()}
+    solids = {name: made[first] for name, first in train.alike.items()}
+    files = {f"{part.name}.csv": _outline(part) for part in train.parts}
+    files |= {f"{name}.stl": written[first] for name, first in train.alike.items()}
+    files |= {"train.3mf": _threemf(train, made), "train.glb": _glb(train, solids)}
     on_step(STEPS[3])
+    from ncgear.files.workshop.dxf import dxf_bytes
+    from ncgear.files.workshop.sheet_files import drawing_files
+    from ncgear.files.workshop.svg import svg_bytes
+    from ncgear.files.workshop.train_drawings import train_drawings
+
+    drawings = train_drawings(name, train, outlines)
+    for part, drawing in drawings.parts.items():
+        files[f"{part}.dxf"] = dxf_bytes({"": drawing.cut}, drawing.notes, in_sight=False)
+        files[f"{part}.svg"] = svg_bytes(drawing)
+    files |= drawing_files(drawings.sheets)
+    on_step(STEPS[4])
     from ncgear.drawings.train_pictures import meshes_picture, train_picture
 
-    figures = train_figures(name, description, train, conditions) | contact_figures(contacts, distances)
     angles = np.linspace(0.0, train.cycle_rad, POSES)
-    files |= {
+    return files | {
         "assembly.json": json_text(poses_figures(train, angles)).encode(),
-        "summary.json": json_text(figures).encode(),
+        "summary.json": json_text(judged.figures).encode(),
         "train.png": train_picture(train, outlines, 0.0, name),
         "meshes.png": meshes_picture(train, outlines, f"{name}: every mesh as assembled"),
-        "train.glb": _glb(train, solids),
         **{f"{trace.name}.csv": _trace_csv(train, trace.name, angles) for trace in train.traces},
     }
-    return BuiltTrain(files, figures, conditions)
 
 
 def _trace_csv(train: Train, name: str, angles: Array) -> bytes:
@@ -108,6 +133,23 @@ def _solid(part: Part, outline_mm: Array, tolerance_mm: float) -> Trimesh:
 
 def _circle(diameter_mm: float, tolerance_mm: float) -> ComplexArray:
     return as_complex(circle_points(diameter_mm / 2.0, tolerance_mm))
+
+
+def _threemf(train: Train, made: Mapping[str, Trimesh]) -> bytes:
+    """All parts in one file for slicers, as assembled at the driving angle 0."""
+    poses = train.poses_at(np.zeros(1))
+    bodies = [
+        Placed(
+            part.name,
+            train.alike[part.name],
+            float(poses.x_mm[number, 0]),
+            float(poses.y_mm[number, 0]),
+            part.low_mm,
+            float(poses.angle_rad[number, 0]),
+        )
+        for number, part in enumerate(train.parts)
+    ]
+    return archive({name: mesh_text(TriangleMesh(solid.vertices, solid.faces)) for name, solid in made.items()}, bodies)
 
 
 def _glb(train: Train, solids: Mapping[str, Trimesh]) -> bytes:

@@ -179,6 +179,16 @@ class Train:
         return part.fixed_to or part.name
 
     @cached_property
+    def alike(self) -> dict[str, str]:
+        """The name of the first part that has the same body, by the name of each part."""
+        firsts: dict[object, str] = {}
+        found = {}
+        for part in self.parts:
+            body = part.outline_mm.tobytes(), part.face_width_mm, part.teeth, part.bore_mm, part.rim_mm, part.holes
+            found[part.name] = firsts.setdefault(body, part.name)
+        return found
+
+    @cached_property
     def tints(self) -> dict[str, int]:
         """A small number of each part, by its name, that differs from those of all parts with which it meshes."""
         tints: dict[str, int] = {}

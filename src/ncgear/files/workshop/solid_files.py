@@ -13,16 +13,17 @@ from __future__ import annotations
 import json
 import struct
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from io import BytesIO
 from itertools import count
-from math import degrees, gcd, pi
+from math import cos, degrees, gcd, pi, sin
 from typing import Any
 from uuid import UUID
 
 import numpy as np
 
 from ncgear.drawings.solid_pair import linear_light, pair_scene
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Mesh
 from ncgear.project.drive import Drive
@@ -88,7 +89,29 @@ def threemf_files(shown: PlacedMeshes) -> dict[str, bytes]:
     driving, driven, distance_mm = shown
     places = {"gears.3mf": float(driving.bounds[1][0] - driven.bounds[0][0]) + GAP_MM, "pair.3mf": distance_mm}
     gears = {"driving": mesh_text(driving), "driven": mesh_text(driven)}
-    return {name: archive(gears, {"driving": 0.0, "driven": x_mm}) for name, x_mm in places.items()}
+    return {
+        name: archive(gears, [Placed("driving", "driving"), Placed("driven", "driven", x_mm)])
+        for name, x_mm in places.items()
+    }
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A body of a model by its own name and that of its mesh: its shift in mm, and its turn about z in rad."""
+
+    name: str
+    mesh: str
+    x_mm: float = 0.0
+    y_mm: float = 0.0
+    z_mm: float = 0.0
+    turn_rad: float = 0.0
+
+    @property
+    def written(self) -> str:
+        """The rows of the matrix that points, as rows, are multiplied with."""
+        along, across = cos(self.turn_rad), sin(self.turn_rad)
+        turn = f"{along} {across} 0.0 {0.0 - across} {along} 0.0 0.0 0.0 1.0"
+        return f"{turn} {self.x_mm} {self.y_mm} {self.z_mm}"
 
 
 def mesh_text(mesh: TriangleMesh) -> str:
@@ -100,15 +123,23 @@ def mesh_text(mesh: TriangleMesh) -> str:
     return f"<vertices>{points}</vertices><triangles>{triangles}</triangles>"
 
 
-def archive(meshes: dict[str, str], x_mm: dict[str, float]) -> bytes:
-    """A file of meshes (see ``mesh_text``) by their names, with their shifts along x; the same give the same bytes."""
-    identities = (UUID(int=number) for number in count(1))
+def archive(meshes: Mapping[str, str], bodies: Iterable[Placed]) -> bytes:
+    """A file of bodies with meshes (see ``mesh_text``) by their names; the same give the same bytes."""
+    identities, numbers = (
+        (UUID(int=number) for number in count(1)),
+        {name: place for place, name in enumerate(meshes, 1)},
+    )
     objects = "".join(
-        f'<object id="{number}" name="{name}" type="model" p:UUID="{next(identities)}"><mesh>{text}</mesh></object>'
-        for number, (name, text) in enumerate(meshes.items(), 1)
+        f'<object id="{number}" name="{name}" type="model" p:UUID="{next(identities)}"><mesh>{meshes[name]}</mesh>'
+        "</object>"
+        for name, number in numbers.items()
     )
     build = f'<build p:UUID="{next(identities)}">'
-    items = "".join(_item(number, name, x_mm[name], next(identities)) for number, name in enumerate(meshes, 1))
+    items = "".join(
+        f'<item objectid="{numbers[body.mesh]}" transform="{body.written}" p:UUID="{next(identities)}"'
+        f' partnumber="{body.name}"/>'
+        for body in bodies
+    )
     places = " ".join(f'{name}="{SCHEMAS}{end}"' for name, end in NAMESPACES.items())
     model = f'{HEAD}<model {places} unit="millimeter"><resources>{objects}</resources>{build}{items}</build></model>'
     made = BytesIO()
@@ -116,12 +147,6 @@ def archive(meshes: dict[str, str], x_mm: dict[str, float]) -> bytes:
         for name, text in (("3D/3dmodel.model", model), ("_rels/.rels", RELATIONS), ("[Content_Types].xml", TYPES)):
             new.writestr(zipfile.ZipInfo(name, LONG_AGO), text.encode(), zipfile.ZIP_DEFLATED, PACKED)
     return made.getvalue()
-
-
-def _item(number: int, name: str, x_mm: float, identity: UUID) -> str:
-    """A part of the build at its place."""
-    place = f"1.0 0.0 0.0 0.0 1.0 0.0 0.0 0.0 1.0 {x_mm} 0.0 0.0"
-    return f'<item objectid="{number}" transform="{place}" p:UUID="{identity}" partnumber="{name}"/>'
 
 
 def glb_files(drive: Drive) -> dict[str, bytes]:
