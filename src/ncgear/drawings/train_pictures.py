@@ -15,6 +15,7 @@ from ncgear.drawings.animation.moving_picture import Frame, opaque
 from ncgear.drawings.animation.packing import Frames
 from ncgear.drawings.plots import canvas
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.plane import as_points
 from ncgear.trains.train import GROUND, GearMesh, Part, Poses, Train
 
 WIDTH_IN, HEIGHT_IN = 8.2, 7.0
@@ -53,8 +54,10 @@ def color_of(train: Train, part: Part) -> str:
 def _draw(axes: Axes, part: Part, outline_mm: Array, poses: Poses, number: int, color: str) -> None:
     (axis,), (turn,) = poses.places(number)
     placed = axis + (outline_mm @ np.array([1.0, 1.0j])) * turn
-    alpha = 0.35 if part.teeth else 0.15
-    axes.fill(placed.real, placed.imag, facecolor=color, alpha=0.0 if part.rim_mm else alpha, linewidth=0.0)
+    if part.rim_mm is None:
+        face = to_rgba(color, 0.35 if part.teeth else 0.15)
+        # The line below has the same extent, which the axes need not find in every chord of the area
+        axes.add_artist(Polygon(as_points(placed), closed=True, facecolor=face, linewidth=0.0))
     axes.plot(*_closed(placed), color=color, linewidth=0.8)
     if part.rim_mm is not None:
         circle = axis + part.reach_mm * np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 181))
