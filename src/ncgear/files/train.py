@@ -17,7 +17,7 @@ from ncgear.figures.numbers import json_text
 from ncgear.figures.tables import csv_text, outline_csv
 from ncgear.figures.trains import contact_figures, judged_contacts, poses_figures, train_figures
 from ncgear.files.read_back import outline_of_csv, stl_bytes
-from ncgear.files.workshop.solid_files import Placed, archive, mesh_text, moving
+from ncgear.files.workshop.solid_files import PlacedBody, archive, mesh_text, moving
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.plane import as_complex, as_points
@@ -139,7 +139,7 @@ def _threemf(train: Train, made: Mapping[str, Trimesh]) -> bytes:
     """All parts in one file for slicers, as assembled at the driving angle 0."""
     poses = train.poses_at(np.zeros(1))
     bodies = [
-        Placed(
+        PlacedBody(
             part.name,
             train.alike[part.name],
             float(poses.x_mm[number, 0]),

@@ -90,13 +90,13 @@ def threemf_files(shown: PlacedMeshes) -> dict[str, bytes]:
     places = {"gears.3mf": float(driving.bounds[1][0] - driven.bounds[0][0]) + GAP_MM, "pair.3mf": distance_mm}
     gears = {"driving": mesh_text(driving), "driven": mesh_text(driven)}
     return {
-        name: archive(gears, [Placed("driving", "driving"), Placed("driven", "driven", x_mm)])
+        name: archive(gears, [PlacedBody("driving", "driving"), PlacedBody("driven", "driven", x_mm)])
         for name, x_mm in places.items()
     }
 
 
 @dataclass(frozen=True)
-class Placed:
+class PlacedBody:
     """A body of a model by its own name and that of its mesh: its shift in mm, and its turn about z in rad."""
 
     name: str
@@ -123,7 +123,7 @@ def mesh_text(mesh: TriangleMesh) -> str:
     return f"<vertices>{points}</vertices><triangles>{triangles}</triangles>"
 
 
-def archive(meshes: Mapping[str, str], bodies: Iterable[Placed]) -> bytes:
+def archive(meshes: Mapping[str, str], bodies: Iterable[PlacedBody]) -> bytes:
     """A file of bodies with meshes (see ``mesh_text``) by their names; the same give the same bytes."""
     identities, numbers = (
         (UUID(int=number) for number in count(1)),

@@ -53,7 +53,7 @@ class TrainDrawings:
 
 
 @dataclass(frozen=True)
-class Facing:
+class MateFacing:
     """A mate of a gear, and the directions in rad, each in its own frame, that face each other as assembled."""
 
     mate: str
@@ -109,7 +109,7 @@ def _angle(train: Train, name: str) -> str:
     return f"{round(turned, 3) % 360.0:.3f}"
 
 
-def facings(train: Train, name: str) -> Iterator[Facing]:
+def facings(train: Train, name: str) -> Iterator[MateFacing]:
     """The mates of a gear at the driving angle 0; the gear in a ring faces away from the ring's axis."""
     poses = train.poses_at(np.zeros(1))
     for mesh in train.meshes:
@@ -125,7 +125,7 @@ def facings(train: Train, name: str) -> Iterator[Facing]:
         if mesh.kind is Mesh.INTERNAL:
             senses = (-1.0, -1.0) if mesh.first == name else (1.0, 1.0)
         own, others = (float(np.angle(sense * way / each)) for sense, each in zip(senses, (turn, other), strict=True))
-        yield Facing(mate, abs(way), own, others)
+        yield MateFacing(mate, abs(way), own, others)
 
 
 def _scale_in(area: Box, size_mm: Array) -> float:
