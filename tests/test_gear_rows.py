@@ -17,7 +17,7 @@ from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.ratio.laws.ellipse import elliptical_law
-from ncgear.ratio.laws.row import row_laws, row_train
+from ncgear.ratio.laws.row import laws_in_series, row_laws
 from ncgear.ratio.transmission import Lobes, Transmission
 from ncgear.teeth.form import Backlash, ToothForm
 from ncgear.trains.chain import PairRow, chain_train, row_of
@@ -60,7 +60,7 @@ def test_elliptic_idlers_in_a_straight_row_square_the_ratio() -> None:
     for found, power in ((first, 1), (second, 2), (third, 3)):
         assert found == pytest.approx(np.full(9, factor**power), rel=1e-9)
     assert [pair.center_distance_mm for pair in row.pairs] == pytest.approx([row.pairs[0].center_distance_mm] * 3)
-    whole = row_train([pair.transmission for pair in row.pairs]).whole
+    whole = laws_in_series([pair.transmission for pair in row.pairs]).whole
     turned = whole.driven_angle(phi, 2)
     assert np.tan(turned.value / 2.0) == pytest.approx(factor**3 * np.tan(phi / 2.0), rel=1e-9)
     slope = factor**3 / (np.cos(phi / 2.0) ** 2 + (factor**3 * np.sin(phi / 2.0)) ** 2)

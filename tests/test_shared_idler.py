@@ -62,9 +62,9 @@ def test_a_first_mesh_is_found_again_from_the_row_that_it_makes() -> None:
 
 def composed_law(first: Transmission, bend_rad: float) -> Transmission:
     """The whole law of a row by the same curves, as harmonics of its ratio over the last gear's angle."""
-    from ncgear.ratio.laws.row import row_train
+    from ncgear.ratio.laws.row import laws_in_series
 
-    return row_train(row_laws(first, (1, 1, 1), (0.0, bend_rad), "bends_deg")).whole
+    return laws_in_series(row_laws(first, (1, 1, 1), (0.0, bend_rad), "bends_deg")).whole
 
 
 @pytest.mark.parametrize("bend_deg", [0.0, 40.0])

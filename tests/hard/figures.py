@@ -44,8 +44,10 @@ def reported(drive: Drive) -> dict[str, Figure]:
         "ratio max": _peak(high),
         "peak acceleration": _peak(check.peak_acceleration_cycle),
         "peak power": _peak(check.peak_power_w),
-        "pitch length": Figure(_length(drive.pitch)),
     }
+    # Pitch curves of pairs in series are those of each pair
+    if drive.design.stages == 1:
+        figures["pitch length"] = Figure(_length(drive.pitch))
     return {name: figure for name, figure in figures.items() if figure.value}
 
 

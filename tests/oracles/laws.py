@@ -413,6 +413,22 @@ def _function_generator(asked: Asked) -> Law:
     return _open_law(asked, driven, ranges[0])
 
 
+def _in_series(asked: Asked) -> Law:
+    """Analytic laws one after the other, by the chain rule."""
+    laws = [REFERENCES[pair["law"]](asked._replace(motion=pair, lobes=(1, 1))) for pair in asked.motion["pairs"]]
+    assert all(len(each.joints) == 2 for each in laws), "a joint within a turn is a joint of the whole"
+
+    def turned(phi1: Real) -> Motion:
+        driven, slope, bend = phi1, mp.mpf(1), mp.mpf(0)
+        for each in laws:
+            driven, speed, change = each.motion(driven)
+            slope, bend = speed * slope, change * slope**2 + speed * bend
+        return driven, slope, bend
+
+    piece = Piece(lambda phi1: turned(phi1)[0], lambda phi1: turned(phi1)[1:])
+    return Law(asked.linkage, (mp.mpf(0), 2 * mp.pi), (piece,))
+
+
 REFERENCES: dict[str, Callable[[Asked], Law]] = {
     "three_segment_stroke": lambda asked: _stroke_law(asked.motion, asked.linkage, asked.closing),
     "ratio_expression": lambda asked: _by_slope(asked, _formula_slope(asked.motion)),
@@ -424,5 +440,6 @@ REFERENCES: dict[str, Callable[[Asked], Law]] = {
     "uniform_crank": lambda asked: _by_slope(asked, lambda phi: mp.mpf(1)),
     "spiral": _spiral,
     "function_generator": _function_generator,
+    "in_series": _in_series,
 }
 """By the name of the law."""

@@ -135,7 +135,8 @@ def _keys(model: type[BaseModel], above: str, law: str) -> Iterator[Key]:
         path = f"{above}.{name}" if above else name
         yield Key(path, law, model, field)
         inner = models_in(field.annotation)
-        for nested in inner:
+        # The laws of pairs have the keys of ``motion``, where these are told
+        for nested in inner if path != "motion.pairs" else ():
             yield from _keys(nested, path, law_of(nested) if len(inner) > 1 else law)
 
 

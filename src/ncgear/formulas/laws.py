@@ -46,7 +46,7 @@ from ncgear.ratio.working_stroke import ClosedStroke
 INTEGRAL = "phi_2 is the integral of 1/i_12 over phi_1, which has no closed form"
 OVER_DRIVEN = "phi_1 is the integral of i_12 over phi_2, which has no closed form"
 SHARED = "the shafts between the pairs turn by integrals of powers of 1/i_12, which have no closed form"
-ROW = "the driven angle is that of all pairs of the row, one after the other"
+ROW = "the driven angle is that of all pairs, one after the other"
 TRACED = "the pitch curve is followed point by point: its radius is known by a table of its angles"
 
 

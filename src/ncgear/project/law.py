@@ -33,11 +33,11 @@ def law_of(design: Design) -> Law:
     """
     law, gears = _given_law(design), design.gears
     if gears is not None and gears.idlers is not None:
-        from ncgear.ratio.laws.row import row_laws, row_train
+        from ncgear.ratio.laws.row import laws_in_series, row_laws
 
         lobes = gears.lobes.driving, gears.lobes.driven, *gears.idlers.lobes
         laws = row_laws(law.transmission, lobes, gears.idlers.directions_rad, "gears.idlers")
-        return replace(law, train=row_train(laws))
+        return replace(law, train=laws_in_series(laws))
     if gears is None or gears.pairs == 1:
         return law
     parts: Sequence[float] = gears.parts or (1.0,) * gears.pairs

@@ -19,7 +19,7 @@ from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.units import placed_rad
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
-from ncgear.ratio.laws.row import beta_rad, row_train
+from ncgear.ratio.laws.row import beta_rad, laws_in_series
 from ncgear.ratio.transmission import Transmission
 from ncgear.solids.plan.room import INNER_WALL_IN_MODULES
 from ncgear.teeth.backlash import require_teeth
@@ -194,7 +194,7 @@ def train_of_gears(
 
 
 def _told(row: PairRow, contact_ratio: float) -> TrainFigures:
-    low, high = row_train([pair.transmission for pair in row.pairs]).whole.ratio_range
+    low, high = laws_in_series([pair.transmission for pair in row.pairs]).whole.ratio_range
     distances = [pair.center_distance_mm for pair in row.pairs]
     convex = [pair.convex(gear) for pair in row.pairs for gear in Gear]
     rows = (

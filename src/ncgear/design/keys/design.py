@@ -131,7 +131,7 @@ class Design(Model, Shown):
         """Several pairs in words, as ``two pairs of gears``, and the key that asks for them."""
         gears = self.gears
         given = gears and ("gears.idlers" if gears.idlers else "gears.pairs" if gears.pairs > 1 else "")
-        key = given or "motion.second_stage"
+        key = given or f"motion.{self.motion.pairs_key}"
         return f"{COUNTS[self.stages]} pairs of gears", key
 
     @property
@@ -348,7 +348,7 @@ class Design(Model, Shown):
         reasons = {
             f"{self.motion.law} gives the gears over a range, less than a turn": self.motion.is_open,
             f"the distance of the axes follows from {self.motion.law}": self.motion.gives_center_distance,
-            "motion.second_stage shares the ratio already": self.motion.pairs_in_series > 1,
+            f"motion.{self.motion.pairs_key} shares the ratio already": self.motion.pairs_in_series > 1,
             "optimize.limits.stages has the ratio shared by the search": self.optimize is not None
             and self.optimize.limits.stages > 1,
         }

@@ -181,6 +181,11 @@ class LawKeys(Model):
         """Pairs of gears that make the ratio: 2 for a law with a ``second_stage``, else 1."""
         return 1 if getattr(self, "second_stage", None) is None else 2
 
+    @property
+    def pairs_key(self) -> str:
+        """The key that gives a law several pairs of gears."""
+        return "second_stage"
+
     def solved_stroke_mm(self, mechanism: type[Mechanism]) -> float:
         """The stroke in mm or rad for a law that ``gives_stroke``.
 

@@ -40,6 +40,7 @@ class LawName(StrEnum):
     UNIFORM_CRANK = "uniform_crank"
     SPIRAL = "spiral"
     FUNCTION_GENERATOR = "function_generator"
+    IN_SERIES = "in_series"
 
 
 DEFAULT_LAW = LawName.THREE_SEGMENT_STROKE

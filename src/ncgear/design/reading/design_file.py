@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ncgear.design.keys.design import Design, design_model, require_known_kind
+from ncgear.design.keys.gears import MOST_PAIRS
 from ncgear.design.keys.machine import MOST_RESISTANCE_POINTS
 from ncgear.design.keys.pitch_shapes import ANGLE_OR_X, RADIUS_OR_Y
 from ncgear.design.keys.pitch_shapes import MOST_POINTS as CURVE_POINTS
@@ -41,9 +42,12 @@ DRAWN = {
 }
 """Drawings of an outline, by their key."""
 
+LAW_GROUPS = ("motion", *(f"motion.pairs.{number}" for number in range(MOST_PAIRS)))
+"""Groups with the keys of a law."""
+
 FILES: dict[str, PointsKind] = {
-    "motion": columns_kind(FileColumns((ANGLE_COLUMNS, VALUE_COLUMNS), MOST_POINTS), law="table"),
-    **{f"{group}.{shape}": kind for group in ("motion", "outline.mate") for shape, kind in DRAWN.items()},
+    **dict.fromkeys(LAW_GROUPS, columns_kind(FileColumns((ANGLE_COLUMNS, VALUE_COLUMNS), MOST_POINTS), law="table")),
+    **{f"{group}.{shape}": kind for group in (*LAW_GROUPS, "outline.mate") for shape, kind in DRAWN.items()},
     "resistance.table": FORCE_POINTS,
     "resistance.returning.table": FORCE_POINTS,
 }

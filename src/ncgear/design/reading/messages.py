@@ -140,7 +140,8 @@ def _problem(
     if kind == "extra_forbidden":
         return Problem(key, _unknown_key(detail, root, data, meant))
     if kind in ("union_tag_invalid", "union_tag_not_found"):
-        return Problem(_key((*detail["loc"], "law")), _wrong_law(detail["input"]))
+        known = [law for law in LAWS if law != "in_series" or detail["loc"] == ("motion",)]
+        return Problem(_key((*detail["loc"], "law")), _wrong_law(detail["input"], known))
     alike = f"; {len(more)} more item{'s' * (len(more) > 1)} alike" if more else ""
     return Problem(key, f"{_wrong_value(detail, context, root)}{alike}")
 
@@ -180,10 +181,14 @@ def _at(data: Any, key: str) -> Any:
 
 
 def _key(location: Location) -> str:
-    """The dotted key; pydantic's location of a law's key has the law's name, which the file lacks."""
-    if len(location) > 1 and location[0] == "motion" and location[1] in LAWS:
-        location = (location[0], *location[2:])
-    return ".".join(str(part) for part in location)
+    """The dotted key; pydantic's location of a law's key has the law's name, which the file lacks.
+
+    It stands after ``motion``, and in ``motion.pairs`` after the number of the pair.
+    """
+    if location[:1] != ("motion",):
+        return ".".join(str(part) for part in location)
+    names = (1, 4) if location[1:3] == ("in_series", "pairs") else (1,)
+    return ".".join(str(part) for place, part in enumerate(location) if place not in names or part not in LAWS)
 
 
 def _wrong_value(detail: ErrorDetails, context: Mapping[str, Any], root: type[BaseModel]) -> str:
@@ -227,13 +232,13 @@ _NEEDED: dict[str, Callable[[Mapping[str, Any]], str]] = {
 }
 
 
-def _wrong_law(motion: Mapping[str, Any]) -> str:
+def _wrong_law(motion: Mapping[str, Any], known: Sequence[str]) -> str:
     law = motion.get("law")
     if law is None:
         close = get_close_matches("law", [key for key in motion if key != "law"], n=1)
         given = f"{close[0]} is no key; " if close else "nothing given; " if "law" in motion else "missing; "
-        return f"{given}give law, one of {listed(LAWS)}"
-    return f"{quoted(law)} is no known law; one of {listed(LAWS)} is right{_did_you_mean(str(law), LAWS)}"
+        return f"{given}give law, one of {listed(known)}"
+    return f"{quoted(law)} is no known law; one of {listed(known)} is right{_did_you_mean(str(law), known)}"
 
 
 def _unknown_key(detail: ErrorDetails, root: type[BaseModel], data: Mapping[str, Any], meant: Location | None) -> str:

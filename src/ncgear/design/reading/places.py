@@ -58,7 +58,10 @@ class Document:
         """The value at a dotted key; None if there is none."""
         data = self.data
         for part in key.split("."):
-            data = data.get(part) if isinstance(data, dict) else None
+            if isinstance(data, list) and part.isdigit():
+                data = data[int(part)] if int(part) < len(data) else None
+            else:
+                data = data.get(part) if isinstance(data, dict) else None
         return data
 
 

@@ -139,13 +139,15 @@ def _driven_curve(law: Transmission) -> ClosedCurve:
 
 
 def row_angle(laws: Sequence[Transmission], phi1: Array, order: int) -> Jet:
-    """The angle of the last gear of meshes with these laws by that of the driving gear, in rad."""
+    """The angle of the last gear of pairs with these laws, one after the other, by that of the driving gear, in rad."""
     return turned_after(laws, phi1, order)[-1]
 
 
-def row_train(laws: Sequence[Transmission]) -> PairsInSeries:
-    """The meshes of a row as pairs in series: an idler is both the driven gear of a pair and the driving gear of the
-    next."""
+def laws_in_series(laws: Sequence[Transmission]) -> PairsInSeries:
+    """Pairs in series with these laws, each by the angle of its own driving gear.
+
+    In a row an idler is both the driven gear of a pair and the driving gear of the next.
+    """
     first, last = laws[0].lobes, laws[-1].lobes
     pairs, breaks = [on_driving_shaft(laws[0])], laws[0].joints_rad
     for number, law in enumerate(laws[1:], start=1):
