@@ -109,21 +109,25 @@ def test_a_picture_of_a_train_has_room_for_all_parts_over_a_cycle() -> None:
 
 @pytest.mark.judges("drawings")
 def test_a_drawn_part_is_where_its_pose_has_it() -> None:
-    drawn: dict[str, list[Any]] = {"fill": [], "plot": []}
-    axes: Any = Made(
-        fill=lambda *given, **style: drawn["fill"].append((given, style)),
-        plot=lambda *given, **style: drawn["plot"].append(given),
-    )
+    areas, lines = list[Any](), list[Any]()
+    axes: Any = Made(add_artist=areas.append, plot=lambda *given, **_: lines.append(given))
     poses = Poses(np.array([[5.0]]), np.array([[7.0]]), np.array([[pi / 2.0]]))
     part = Part("ring", SQUARE, 1.0, teeth=4, rim_mm=3.0)
     train_pictures._draw(axes, part, SQUARE, poses, 0, "red")
-    ((x, y), style), (outline, circle, mark) = drawn["fill"][0], drawn["plot"]
-    assert (x, y) == (pytest.approx([6.0, 6.0, 4.0, 4.0]), pytest.approx([5.0, 9.0, 9.0, 5.0]))
-    assert style["alpha"] == 0.0
+    outline, circle, mark = lines
+    assert not areas
+    assert (outline[0][:-1], outline[1][:-1]) == (
+        pytest.approx([6.0, 6.0, 4.0, 4.0]),
+        pytest.approx([5.0, 9.0, 9.0, 5.0]),
+    )
     assert (outline[0][0], outline[0][-1], outline[0].size) == (6.0, 6.0, 5)
     assert np.hypot(circle[0] - 5.0, circle[1] - 7.0) == pytest.approx(np.full(181, sqrt(5.0) + 3.0))
     assert (circle[0][0], circle[1][45]) == pytest.approx((5.0 + sqrt(5.0) + 3.0, 7.0 + sqrt(5.0) + 3.0))
     assert (mark[0], mark[1]) == (5.0, 7.0)
+    train_pictures._draw(axes, Part("sun", SQUARE, 1.0, teeth=4), SQUARE, poses, 0, "red")
+    (area,) = areas
+    assert area.get_xy()[:-1] == pytest.approx(np.column_stack([outline[0], outline[1]])[:-1])
+    assert area.get_facecolor() == (1.0, 0.0, 0.0, 0.35)
 
 
 # --- animations

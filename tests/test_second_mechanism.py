@@ -62,6 +62,7 @@ LAWS = {
     "table": "{law: table, phi1_deg: [0, 90, 180, 270, 360], displacement_mm: [0, 300, 760, 350, 0]}",
     "pitch_curve": "{law: pitch_curve, ellipse: {semi_major_mm: 3, semi_minor_mm: 2, axis_x_mm: 1}, solve_for: scale}",
     "uniform_crank": "{law: uniform_crank}",
+    "in_series": "{law: in_series, pairs: [{law: ellipse, eccentricity: 0.2}, {law: harmonic_ratio, sine: [0.1]}]}",
 }
 GEARS = "gears: {teeth: 35, module_mm: 2, face_width_mm: 20, driving: {bore_mm: 16}, driven: {bore_mm: 16}}"
 RESISTANCE = "resistance: {polynomial_n: [400, 3]}"
