@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ncgear.design.keys.machine import NoLinkage
 from ncgear.design.words import listed
 from ncgear.drivetrain.jam import Load, deciding
 from ncgear.dynamics.driven_side import Knock
@@ -43,7 +44,8 @@ def load_words(drive: Drive, strength: Strength) -> str:
     """What the load of the teeth follows from."""
     jam = " and a jam" if drive.conditions.overload else ""
     gears = drive.design.gears
-    by = "row" if strength.load == "resistance" and gears is not None and gears.idlers is not None else strength.load
+    alone = strength.load == "resistance" and isinstance(drive.design.linkage, NoLinkage)
+    by = "row" if alone and gears is not None and gears.idlers is not None else strength.load
     return LOADS[by].format(jam=jam, alone=jam or " alone")
 
 

@@ -36,7 +36,12 @@ def law_of(design: Design) -> Law:
         from ncgear.ratio.laws.row import laws_in_series, row_laws
 
         lobes = gears.lobes.driving, gears.lobes.driven, *gears.idlers.lobes
-        laws = row_laws(law.transmission, lobes, gears.idlers.directions_rad, "gears.idlers")
+        directions, first = gears.idlers.directions_rad, law.transmission
+        if design.prescribes_row:
+            from ncgear.ratio.laws.shared_idler import shared_by_idler
+
+            first = shared_by_idler(first, pi + directions[1], "gears.idlers.bends_deg").first
+        laws = row_laws(first, lobes, directions, "gears.idlers")
         return replace(law, train=laws_in_series(laws))
     if gears is None or gears.pairs == 1:
         return law

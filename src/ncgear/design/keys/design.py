@@ -309,7 +309,6 @@ class Design(Model, Shown):
             return
         material, driving, driven = gears.material, gears.driving.model_dump(), gears.driven.model_dump()
         asked = {
-            "linkage": not isinstance(self.linkage, NoLinkage),
             "motion.law": self.motion.is_open or self.motion.pairs_in_series > 1,
             "strength.overload": self.strength.overload is not None,
             "drivetrain": self.drivetrain is not None,
@@ -330,6 +329,26 @@ class Design(Model, Shown):
         for key in (key for key, is_given in asked.items() if is_given):
             said = f"not offered for a row of gears with idlers{OFFERED.get(key, '')}"
             yield fault(key, f"{said}; leave it out, or gears.idlers")
+
+    @property
+    def prescribes_row(self) -> bool:
+        """Whether the law is that of the last gear of a row, from which that of its first pair is found."""
+        idlers = self.gears.idlers if self.gears else None
+        return idlers is not None and (idlers.law_of == "row" or self.motion.gives_slider)
+
+    def _a_row_has_one_law(self) -> Faults:
+        if self.gears is None or (idlers := self.gears.idlers) is None:
+            return
+        lobes = self.gears.lobes.driving, self.gears.lobes.driven, *idlers.lobes
+        given = f"{':'.join(map(str, lobes))} in all"
+        if not isinstance(self.linkage, NoLinkage) and {*lobes} != {1}:
+            yield fault("gears.idlers.lobes", f"{given}, but a row that moves a mechanism has one lobe each")
+        if idlers.law_of == "first_pair" and self.motion.gives_slider:
+            said = f"first_pair given, but {self.motion.law} tells how the slider moves; row is right"
+            yield fault("gears.idlers.law_of", said)
+        if self.prescribes_row and lobes != (1, 1, 1):
+            said = "but one idler, with one lobe of each gear, makes a law of the last gear; [1] is right"
+            yield fault("gears.idlers.lobes", f"{given}, {said}")
 
     def _shared_out(self) -> Faults:
         if self.gears is None:

@@ -249,6 +249,10 @@ class Idlers(Model):
     bends_deg: Annotated[Several[Bend], Field(max_length=MOST_IDLERS)] = optional(
         "by how many degrees the line of centres turns at each idler, counter-clockwise; left out: a straight row", ()
     )
+    law_of: Literal["first_pair", "row"] | None = optional(
+        "whose law motion gives: first_pair; or row, that of the last gear by the first, with one idler and a bend "
+        "such as 42.492; left out: row where the law tells how a slider moves, else first_pair"
+    )
 
     def _faults(self) -> Faults:
         idlers = len(self.lobes)
