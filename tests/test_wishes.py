@@ -83,7 +83,7 @@ def longest_between_samples(place: np.ndarray, speed: np.ndarray, most: float) -
     return best, float(np.abs(np.diff(place)).max())
 
 
-@pytest.mark.parametrize("tolerance", [0.001, 0.005, 0.1])
+@pytest.mark.parametrize("tolerance", [0.001, 0.005, 0.1, 0.9])
 def test_the_even_stretch_of_an_even_yoke(tolerance: float) -> None:
     """Its speed r w sin(phi) is within the spread R about its peak as long as sin(phi) is over 1/R."""
     length = 2.0 * RADIUS * sqrt(1.0 - 1.0 / spread(tolerance) ** 2)

@@ -167,7 +167,7 @@ part.
 
 Where the longest stretch begins and ends at slopes, it is even about the best beginning, so the nearest of n angles
 costs about 1/n^2 of the stroke.  Where a peak or a dip of the speed decides, beginning and end are among the angles.
-Both are within 1e-6 of the stroke in tests/test_even_speed.py.
+Both are within 1e-6 of the stroke in tests/test_wishes.py.
 """
 
 ALIKE = 1e-9
@@ -296,7 +296,7 @@ def _reach(speed: Array, most: float) -> tuple[IndexArray, Array, Array]:
     """
     count = speed.size
     tops, lows = [speed], [speed]
-    while 2 << len(tops) <= count:
+    while 1 << len(tops) <= count:
         width = 1 << (len(tops) - 1)
         tops.append(np.maximum(tops[-1][:-width], tops[-1][width:]))
         lows.append(np.minimum(lows[-1][:-width], lows[-1][width:]))
