@@ -6,6 +6,7 @@ The judge composes both meshes by the pitch curves of a row, which know nothing 
 from __future__ import annotations
 
 import json
+import re
 from functools import cache
 from math import pi
 from typing import Any
@@ -17,7 +18,8 @@ from pydantic import ValidationError
 
 from drives import DESIGNS, drive_of_text
 from ncgear.design.trains.planetary import Planetary
-from ncgear.errors import NoSuchMechanism
+from ncgear.errors import DesignError, NoSuchMechanism
+from ncgear.project.strengthening import rating_of
 from ncgear.ratio.laws.harmonic import harmonic_law
 from ncgear.ratio.laws.row import row_angle, row_laws
 from ncgear.ratio.laws.shared_idler import GOLDEN_RAD, KEPT_RAD, shared_by_idler
@@ -124,3 +126,99 @@ def test_paths_that_one_idler_does_not_make_are_refused(changed: dict[str, Any],
 def test_the_module_of_a_shared_idler_follows_from_the_path() -> None:
     with pytest.raises(ValidationError, match="follows from the path"):
         Planetary.model_validate(keys_of(gears={"module_mm": 2.0}))
+
+
+MACHINE = """\
+name: row
+linkage: {{crank_mm: 60, rod_mm: 200}}
+operation: {{speed_rpm: 60}}
+motion: {motion}
+gears: {{teeth: 40, module_mm: 2, face_width_mm: 20, backlash_mm: 0.05{more}}}
+resistance: {{polynomial_n: [300]}}
+"""
+ROW = ", idlers: {lobes: [1], bends_deg: [42.492], law_of: row}"
+
+
+def figures_of(motion: str, more: str = "") -> list[float]:
+    """Peaks of power and acceleration, and the ends of the ratio, of a crank-slider."""
+    drive = drive_of_text(MACHINE.format(motion=motion, more=more))
+    peaks = drive.check.peak_power_w, drive.check.peak_acceleration_cycle, *drive.transmission.ratio_range
+    return [peak.value for peak in peaks]
+
+
+def test_three_equal_ellipses_move_a_slider_as_one_ellipse_of_their_closed_form() -> None:
+    """tan(w/2) = ((1 + e)/(1 - e))^2 tan(u/2), so e of the whole is 2 e / (1 + e^2)."""
+    row = figures_of("{law: ellipse, eccentricity: 0.2}", ", idlers: {lobes: [1]}")
+    whole = 2.0 * 0.2 / (1.0 + 0.2**2)
+    assert row == pytest.approx(figures_of(f"{{law: ellipse, eccentricity: {whole!r}}}"), rel=1e-8)
+    bent = figures_of("{law: ellipse, eccentricity: 0.2}", ", idlers: {lobes: [1], bends_deg: [30]}")
+    assert abs(bent[0] / row[0] - 1.0) > 0.01
+
+
+def test_three_gears_move_a_slider_as_the_pair_of_a_law() -> None:
+    """The made law, composed by the curves of the row, against the law of the same file without an idler."""
+    for law in ("{law: harmonic_ratio, cosine: [0.25, 0.1], sine: [-0.1]}", "{law: ellipse, eccentricity: 0.35}"):
+        assert figures_of(law, ROW) == pytest.approx(figures_of(law), rel=1e-6)
+
+
+@pytest.mark.slow
+def test_the_worked_pusher_is_made_with_an_idler() -> None:
+    """A law of the slider: its jerk jumps, which waves follow within 3e-8 rad and 0.2 % of the acceleration."""
+    text = (DESIGNS / "pusher.yaml").read_text()
+    text = text.replace("  index_holes: true", "")
+    with_idler = re.sub(r"(  teeth: 48\n)", r"\1  idlers: {lobes: [1], bends_deg: [42.492]}\n", text)
+    one, row = drive_of_text(text), drive_of_text(with_idler)
+    phi1 = np.linspace(0.0, 2.0 * pi, 4001)
+    turned = row.transmission.driven_angle(phi1).value - one.transmission.driven_angle(phi1).value
+    assert 0.0 < np.abs(turned).max() < 1e-7
+    away = row.machine.motion(phi1).acceleration - one.machine.motion(phi1).acceleration
+    assert np.abs(away).max() < 2e-3 * one.check.peak_acceleration_cycle.value
+    assert row.check.peak_power_w.value == pytest.approx(one.check.peak_power_w.value, rel=1e-5)
+    steepest = [pair.largest_pressure_angle_deg for pair in row.by_stage]
+    assert max(steepest) == pytest.approx(30.31, abs=0.01)
+    assert one.largest_pressure_angle_deg == pytest.approx(38.13, abs=0.01)
+
+
+@pytest.mark.slow
+def test_round_gears_pass_a_sliders_power_through_an_idler() -> None:
+    """Each mesh is as safe as a single pair of the same gears.
+
+    An idler's tooth has its other mesh half a turn later, where the slider returns and nothing bends it the other way.
+    """
+    law = "{law: uniform_crank}"
+    one = rating_of(drive_of_text(MACHINE.format(motion=law, more="")))
+    row = drive_of_text(MACHINE.format(motion=law, more=", idlers: {lobes: [1]}")).by_stage
+    alone = {(each.gear, each.damage): each.safety for each in one.weakest}
+    for stage in row:
+        for each in rating_of(stage).weakest:
+            assert each.safety == pytest.approx(alone[each.gear, each.damage], rel=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("motion", "more", "key", "said"),
+    [
+        ("{law: ellipse, eccentricity: 0.2}", ", idlers: {lobes: [2]}", "gears.idlers.lobes", "has one lobe each"),
+        (
+            "{law: ellipse, eccentricity: 0.2}",
+            ", idlers: {lobes: [1, 1], law_of: row}",
+            "gears.idlers.lobes",
+            "makes a law of the last gear",
+        ),
+        (
+            "{law: table, phi1_deg: [0, 90, 180, 270, 360], displacement_mm: [0, 60, 120, 60, 0]}",
+            ", idlers: {lobes: [1], bends_deg: [42.492], law_of: first_pair}",
+            "gears.idlers.law_of",
+            "row is right",
+        ),
+        (
+            "{law: ellipse, eccentricity: 0.2}",
+            ", idlers: {lobes: [1], bends_deg: [40], law_of: row}",
+            "gears.idlers.bends_deg",
+            "42.492 degrees to either side",
+        ),
+    ],
+)
+def test_rows_that_make_no_such_law_are_refused_by_their_key(motion: str, more: str, key: str, said: str) -> None:
+    with pytest.raises(DesignError, match=said) as refused:
+        _ = drive_of_text(MACHINE.format(motion=motion, more=more)).law
+    assert refused.value.key == key

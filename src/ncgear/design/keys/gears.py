@@ -299,7 +299,7 @@ class Gears(Model):
         "parts of the logarithm of the ratio that pairs in series take, in any unit, as [3, 2], instead of sharing"
     )
     idlers: Idlers | None = optional(
-        "gears by themselves: further gears in a row, so that the driven gear of a pair drives the next; left out: none"
+        "further gears in a row, so that the driven gear of a pair drives the next; left out: none"
     )
     teeth: Annotated[int, Field(ge=3, le=MOST_TEETH)] | None = optional(
         "teeth of the driving gear, a whole number; of gears that turn less than once, the pitches from end to end of "
