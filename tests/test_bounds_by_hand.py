@@ -19,6 +19,7 @@ import ncgear.optimum.certified.refusals as refusals
 import ncgear.optimum.certified.sums as sums
 import ncgear.optimum.certified.sweeps as sweeps
 from at_once import at_once
+from ncgear.design.keys.machine import NoLinkage
 from ncgear.dynamics.level import Level
 from ncgear.dynamics.motion_in_time import ToothedMachine
 from ncgear.dynamics.trains_in_time import train_steps
@@ -216,7 +217,8 @@ def test_steps_of_a_train_end_at_its_stops_and_at_the_driving_angle(monkeypatch:
     (False, 2, "jam", "a jam alone"),
 ])  # fmt: skip
 def test_what_loads_the_teeth_is_told(share: bool, idlers: Any, load: str, said: str) -> None:
-    drive: Any = Made(conditions=Made(overload=share), design=Made(gears=Made(idlers=idlers)))
+    linkage = NoLinkage.model_construct()
+    drive: Any = Made(conditions=Made(overload=share), design=Made(gears=Made(idlers=idlers), linkage=linkage))
     assert said in strong.load_words(drive, Made(load=load))
 
 

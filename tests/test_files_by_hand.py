@@ -138,11 +138,11 @@ def test_a_part_of_a_train_is_its_outline_less_its_holes() -> None:
 @pytest.mark.judges("files")
 def test_a_moving_train_is_in_metres_and_upright_at_the_speed_of_its_driving_part() -> None:
     """glTF has y up: a place (x, y, z) in mm is (x, z, -y) thousandths.  A turn at -30 r/min takes 2 s."""
-    angles = np.linspace(0.0, 2.0 * pi, FRAMES)
+    angles = np.linspace(0.0, 2.0 * pi, FRAMES + 1)
     square = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
     part = Part("wheel", square, 4.0, teeth=8, low_mm=7.0)
-    poses = Poses(np.full((1, FRAMES), 10.0), np.array([20.0 * np.cos(angles)]), np.array([angles]))
-    train: Any = Made(cycle_rad=2.0 * pi, parts=(part,), speed_rpm=-30.0, poses_at=lambda given: poses)
+    poses = Poses(np.full((1, FRAMES + 1), 10.0), np.array([20.0 * np.cos(angles)]), np.array([angles]))
+    train: Any = Made(cycle_rad=2.0 * pi, turns=1, parts=(part,), speed_rpm=-30.0, poses_at=lambda given: poses)
     content, binary = _chunks(_glb(train, {"wheel": _solid(part, square, 0.01)}))
     (animation,) = content["animations"]
 
@@ -155,7 +155,7 @@ def test_a_moving_train_is_in_metres_and_upright_at_the_speed_of_its_driving_par
     moved = {
         one["target"]["path"]: numbers(animation["samplers"][one["sampler"]]["output"]) for one in animation["channels"]
     }
-    wanted = np.column_stack([np.full(FRAMES, 0.010), np.full(FRAMES, 0.007), -0.020 * np.cos(angles)])
+    wanted = np.column_stack([np.full(FRAMES + 1, 0.010), np.full(FRAMES + 1, 0.007), -0.020 * np.cos(angles)])
     assert moved["translation"] == pytest.approx(wanted, abs=1e-7)
     upright = Rotation.from_matrix([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
     turned = upright * Rotation.from_rotvec(np.column_stack([0.0 * angles, 0.0 * angles, angles]))

@@ -30,6 +30,7 @@ from ncgear.ratio.laws.spline import even_steps, spline_ratio_staged
 from ncgear.trains.contact import contacts_of, distances_of
 from ncgear.trains.loads import PutMass, body_of, joint_forces, loads_of
 from ncgear.trains.path_search import PathLimits, found_motion, pair_figures, segment_distances, tool_mount
+from ncgear.trains.planetary_told import carrier_torque_n_m
 from ncgear.trains.tip_path import TipMotion, WishedPath, missed_mm, motion_from
 from ncgear.trains.train import Part, PinHole, Poses, Train
 from oracles import rigid_body
@@ -419,6 +420,28 @@ def test_torque_and_shaking_force_are_those_of_newton_and_euler(arms: int) -> No
     ]
     assert np.mean(np.abs(loads.left_n) ** 2) == pytest.approx(left[0], rel=1e-9, abs=1e-12)
     assert min(left) == left[0]
+
+
+@at_once("sun_turns", [-1.5, 1.0 / 3.0])
+def test_torques_of_carrier_and_sun_are_those_of_newton_and_euler(sun_turns: float) -> None:
+    """Newton's equations know the carrier's torque; what it and the sun's do together is nothing over a cycle.
+
+    By virtual work alone, as about a sun that stands, the torque would be another.
+    """
+    train = replace(planetary(arms=2, arm_mm=90.0, arm_deg=25.0, sun_turns=sun_turns), speed_rpm=600.0)
+    put = 7850.0, [PutMass(trace.part, complex(*trace.at_mm), 0.4) for trace in train.traces], -9806.65j
+    loads, joints = loads_of(train, *put), joint_forces(train, np.radians(20.0), *put)
+    torque = carrier_torque_n_m(train, loads, joints)
+    most = np.abs(torque).max(), np.abs(loads.force_n).max()
+    for number in (0, 333, 1201, loads.driving_rad.size - 7):
+        found, force, _ = NewtonAndEuler(train, 7850.0, 0.4, float(loads.driving_rad[number])).solved()
+        assert torque[number] == pytest.approx(found, abs=1e-4 * most[0])
+        assert loads.force_n[number] == pytest.approx(force, abs=1e-4 * most[1])
+    (sun,) = joints.driven_n_m.values()
+    assert (torque + sun_turns * sun).mean() == pytest.approx(0.0, abs=1e-6 * most[0])
+    assert np.abs(torque - loads.torque_n_m).max() > 0.1 * most[0]
+    ends = train.poses_at(np.array([0.0, train.cycle_rad]))
+    assert np.exp(1j * ends.angle_rad[:, 1]) == pytest.approx(np.exp(1j * ends.angle_rad[:, 0]), abs=1e-9)
 
 
 @pytest.mark.parametrize("keys", [{"arms": 2}, {"carrier_ratio": (1.2, 1.0, 0.8, 1.0)}])

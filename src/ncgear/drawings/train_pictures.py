@@ -20,7 +20,7 @@ from ncgear.trains.train import GROUND, GearMesh, Part, Poses, Train
 
 WIDTH_IN, HEIGHT_IN = 8.2, 7.0
 
-PATH_POINTS = 721
+PATH_POINTS = 720
 
 COLORS = (canvas.DRIVING, canvas.DRIVEN, canvas.HIGHLIGHT)
 
@@ -40,7 +40,7 @@ def train_picture(train: Train, outlines_mm: Mapping[str, Array], driving_rad: f
 
 def _draw_traces(axes: Axes, train: Train, point: float) -> None:
     """The paths of followed points over a cycle, and the points that are wished."""
-    angles = np.linspace(0.0, train.cycle_rad, PATH_POINTS)
+    angles = np.linspace(0.0, train.cycle_rad, PATH_POINTS * train.turns + 1)
     for trace in train.traces:
         axes.plot(*train.trace_mm(trace, angles).T, color=canvas.HIGHLIGHT, linewidth=1.4)
         axes.plot(*trace.wished_mm.T, "o", color=canvas.INK, markersize=point)

@@ -33,11 +33,11 @@ if TYPE_CHECKING:
 
     from trimesh import Trimesh
 
-POSES = 721
-"""Driving angles of ``assembly.json``, from 0 to a cycle, both included."""
+POSES = 720
+"""Steps of ``assembly.json`` for each turn of the driving angle in a cycle, whose end is included."""
 
-FRAMES = 241
-"""Keys of the animation over a cycle."""
+FRAMES = 240
+"""Steps of the animation for each such turn."""
 
 STEPS = ("outlines", "contact", "solids", "drawings", "pictures")
 """The steps of a build of a train."""
@@ -100,7 +100,7 @@ def train_files(name: str, judged: JudgedTrain, on_step: Callable[[str], None]) 
     on_step(STEPS[4])
     from ncgear.drawings.train_pictures import meshes_picture, train_picture
 
-    angles = np.linspace(0.0, train.cycle_rad, POSES)
+    angles = np.linspace(0.0, train.cycle_rad, POSES * train.turns + 1)
     return files | {
         "assembly.json": json_text(poses_figures(train, angles)).encode(),
         "summary.json": json_text(judged.figures).encode(),
@@ -158,7 +158,7 @@ def _glb(train: Train, solids: Mapping[str, Trimesh]) -> bytes:
     from trimesh.visual import TextureVisuals
     from trimesh.visual.material import PBRMaterial
 
-    scene, angles = Scene(), np.linspace(0.0, train.cycle_rad, FRAMES)
+    scene, angles = Scene(), np.linspace(0.0, train.cycle_rad, FRAMES * train.turns + 1)
     poses = train.poses_at(angles)
     ways = {}
     for number, part in enumerate(train.parts):

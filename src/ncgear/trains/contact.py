@@ -89,7 +89,7 @@ def _contact(train: Train, first: str, second: str, kind: Mesh, outlines_mm: Map
 
 def _angles(train: Train) -> Array:
     count = max(LEAST_POSITIONS, POSITIONS * FEW_MESHES // max(len(train.meshes), FEW_MESHES))
-    return np.linspace(0.0, train.cycle_rad, count, endpoint=False)
+    return np.linspace(0.0, train.cycle_rad / train.repeats, count, endpoint=False)
 
 
 def _greatest(value: Callable[[float], float], angles: Array, found: Array) -> tuple[float, float]:

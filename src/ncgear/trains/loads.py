@@ -23,7 +23,7 @@ from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.trains.train import GROUND, GearMesh, Part, Poses, Train
 
 POSITIONS = 1440
-"""Poses of a cycle: a quarter of a degree, so that a thirtieth harmonic has 48 poses."""
+"""Poses while the meshes come round once: a quarter of a degree, so that a thirtieth harmonic has 48 poses."""
 
 MM_PER_M = 1000.0
 
@@ -50,8 +50,9 @@ class RigidBody:
 class TrainLoads:
     """Loads over evenly spaced driving angles in rad of a cycle, shape (n,) each.
 
-    ``torque_n_m`` acts on the driving part, ``force_n`` is the inertia force on the frame, as complex numbers in the
-    frame of the ground, and ``moment_n_m`` the moment of the inertia forces on the frame about the driving axis.
+    ``torque_n_m`` is that of the driving part where nothing else is driven; ``force_n`` is the inertia force on the
+    frame, as complex numbers in the frame of the ground, and ``moment_n_m`` the moment of the inertia forces on the
+    frame about the driving axis.
     ``counterweight_kg_mm`` is the mass times distance, as a complex number in the ground's frame, that a carrier at
     angle 0 needs to make the mean square of the force least; ``left_n`` is the force that is left.
     """
@@ -64,22 +65,19 @@ class TrainLoads:
     left_n: ComplexArray
     mass_kg: float
 
-    @property
-    def swing_n_m(self) -> tuple[float, float]:
-        """Least and greatest torque."""
-        return float(self.torque_n_m.min()), float(self.torque_n_m.max())
-
 
 @dataclass(frozen=True, eq=False)
 class TrainForces:
     """Forces in N at the driving angles of ``TrainLoads``: complex numbers in the frame of the ground, shape (n,) each.
 
     ``teeth_n`` has the force of the first part's teeth on the second's for each mesh, by the names of both parts;
-    ``axes_n`` has the force with which the carrier's axis holds a body, by the name of its first part.
+    ``axes_n`` has the force with which the carrier's axis holds a body, by the name of its first part; ``driven_n_m``
+    has the torque, shape (n,), that turns a body about an axis of the frame, the carrier apart.
     """
 
     teeth_n: dict[tuple[str, str], ComplexArray]
     axes_n: dict[str, ComplexArray]
+    driven_n_m: dict[str, Array]
 
     def largest_n(self) -> tuple[dict[str, float], dict[str, float]]:
         """Greatest forces between teeth and on axes, of all arms; their numbers are left out of the names."""
@@ -143,7 +141,7 @@ class _Moving:
 
 
 def _moving(train: Train, poses: Poses, number: int, density_kg_m3: float, put: Sequence[PutMass]) -> _Moving:
-    """The part ``number``; poses are those at POSITIONS even driving angles and at the end of the cycle."""
+    """The part ``number``; poses are those at even driving angles and at the end of the cycle."""
     part = train.parts[number]
     body = body_of(part, density_kg_m3, [mass for mass in put if mass.part == part.name])
     place, turn = poses.places(number)
@@ -157,12 +155,12 @@ def _moving(train: Train, poses: Poses, number: int, density_kg_m3: float, put: 
 
 
 def _driving(train: Train) -> Array:
-    return np.linspace(0.0, train.cycle_rad, POSITIONS, endpoint=False)
+    return np.linspace(0.0, train.cycle_rad, POSITIONS * train.repeats, endpoint=False)
 
 
 @lru_cache(maxsize=1)
 def _cycle(train: Train) -> Poses:
-    """The poses at POSITIONS even driving angles and at the end of the cycle, which several loads take."""
+    """The poses at even driving angles and at the end of the cycle, which several loads take."""
     return train.poses_at(np.append(_driving(train), train.cycle_rad))
 
 
@@ -171,8 +169,8 @@ def loads_of(train: Train, density_kg_m3: float, put: Sequence[PutMass], gravity
     speed, driving = train.speed_rpm * RAD_S_PER_RPM, _driving(train)
     poses = _cycle(train)
     axis = complex(*(float(values[train.number(train.driving), 0]) for values in (poses.x_mm, poses.y_mm)))
-    torque, moment = np.zeros(POSITIONS), np.zeros(POSITIONS)
-    force: ComplexArray = np.zeros(POSITIONS, dtype=complex)
+    torque, moment = np.zeros(driving.size), np.zeros(driving.size)
+    force: ComplexArray = np.zeros(driving.size, dtype=complex)
     total = 0.0
     for number in range(len(train.parts)):
         moving = _moving(train, poses, number, density_kg_m3, put)
@@ -216,7 +214,7 @@ def turning_load(
     poses = _cycle(train)
     own, driving = train.number(name), train.number(train.driving)
     axis = poses.places(own)[0][:-1]
-    moment, about_axis = np.zeros(POSITIONS), 0.0
+    moment, about_axis = np.zeros(axis.size), 0.0
     turning, around = (_moving(train, poses, number, density_kg_m3, ()) for number in (own, driving))
     rate = turning.spin - around.spin
     faster = (turning.faster - around.faster - rate / around.spin * around.faster) / around.spin**2
@@ -241,8 +239,8 @@ def joint_forces(
     """Forces of teeth and axes of a planetary train whose teeth have the rack's pressure angle ``rack_rad``.
 
     The moments about a body's axis give the force in its last mesh that is not known yet; its axis bears what is left
-    of its forces.  Teeth push in the pitch point, at the rack's angle to the tangent of the pitch curves, with the
-    flanks that the moment asks for.
+    of its forces, and the torque of a sun that turns bears what is left of its moments.  Teeth push in the pitch point,
+    at the rack's angle to the tangent of the pitch curves, with the flanks that the moment asks for.
     """
     speed = train.speed_rpm * RAD_S_PER_RPM
     poses = _cycle(train)
@@ -252,9 +250,12 @@ def joint_forces(
     moment: dict[str, Array] = {}
     for part, moving_part in zip(train.parts, moving, strict=True):
         body = train.body(part)
-        if body != GROUND and np.ptp(axes[train.number(body)].real) > 0.0:
-            needed, turning = moving_part.needed(axes[train.number(body)], speed, gravity_mm_s2)
-            force[body], moment[body] = force.get(body, 0.0) + needed, moment.get(body, 0.0) + turning
+        if body in (GROUND, train.body(train.part(train.driving))):
+            continue
+        needed, turning = moving_part.needed(axes[train.number(body)], speed, gravity_mm_s2)
+        moment[body] = moment.get(body, 0.0) + turning
+        if np.ptp(axes[train.number(body)].real) > 0.0:
+            force[body] = force.get(body, 0.0) + needed
     teeth: dict[tuple[str, str], ComplexArray] = {}
     left = list(train.meshes)
     while left:
@@ -268,10 +269,12 @@ def joint_forces(
         sizes = [moment[body] / arm for arm in lever]
         found: ComplexArray = np.where(sizes[0] >= 0.0, sizes[0] * ways[0], sizes[1] * ways[1])
         teeth[mesh.first, mesh.second] = found / MM_PER_M
-        for name in force.keys() & sides.keys():
-            force[name] = force[name] - sides[name] * found
+        for name in moment.keys() & sides.keys():
             moment[name] = moment[name] - sides[name] * ((point - axes[train.number(name)]).conj() * found).imag
-    return TrainForces(teeth, {name: value / MM_PER_M for name, value in force.items()})
+            if name in force:
+                force[name] = force[name] - sides[name] * found
+    driven = {name: value / MM_PER_M**2 for name, value in moment.items() if name not in force}
+    return TrainForces(teeth, {name: value / MM_PER_M for name, value in force.items()}, driven)
 
 
 def _bodies(train: Train, mesh: GearMesh) -> tuple[str, str]:

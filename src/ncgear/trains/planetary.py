@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import field
+from fractions import Fraction
 from math import acos, ceil, pi
 
 import numpy as np
@@ -278,8 +279,8 @@ def planetary_train(
     """The train of ``arms`` chains about one sun, evenly spread, each planet with its arm if there is one.
 
     ``sun_turns`` are turns of the sun per turn of the carrier: 0 where the sun is fixed.  The carrier turns
-    by ``carrier_rad`` of the driving angle, a shaft's that turns evenly.  With a sun that turns, the cycle is one turn
-    of the carrier against the sun.
+    by ``carrier_rad`` of the driving angle, a shaft's that turns evenly.  With a sun that turns, the cycle ends where
+    sun and carrier have made whole turns; if that takes more than MOST_TURNS, after a turn against each other.
     """
     parts, meshes, ways = [], [], []
     width, step = bodies.face_width_mm, bodies.face_width_mm + GAP_MM
@@ -328,7 +329,9 @@ def planetary_train(
         angles = np.array([angle for _, angle in found])
         return Poses(places.real, places.imag, angles)
 
-    cycle = 2.0 * pi / abs(against)
+    cycle, repeats = 2.0 * pi / abs(against), 1
+    if (turns := whole_turns(sun_turns)) is not None:
+        cycle, repeats = 2.0 * pi * turns, round(turns * abs(against))
     train = Train(
         tuple(parts),
         tuple(meshes),
@@ -339,8 +342,19 @@ def planetary_train(
         tolerance_mm,
         TrainFigures(""),
         tuple(traces),
+        repeats,
     )
     return seen_from_behind(train) if stand.clockwise else train
+
+
+MOST_TURNS, EXACT = 12, 1e-9
+"""Most turns of the carrier in a cycle, and the rounding of a ratio of small whole numbers that a file gives."""
+
+
+def whole_turns(sun_turns: float) -> int | None:
+    """The fewest turns of the carrier after which the sun has made whole turns, too; None over MOST_TURNS."""
+    near = Fraction(sun_turns).limit_denominator(MOST_TURNS)
+    return near.denominator if abs(near - sun_turns) < EXACT else None
 
 
 def _bar_mm(axes: Sequence[complex], width_mm: float, tolerance_mm: float) -> Array:

@@ -17,8 +17,8 @@ from ncgear.trains.path_search import tool_mount
 from ncgear.trains.tip_path import TipMotion, WishedPath, distances_mm
 from ncgear.trains.train import Train, TrainCondition, TrainFigures
 
-PATH_POINTS = 2881
-"""Places at which the path is computed: a path 1 m long has chords of a third of a millimetre."""
+PATH_POINTS = 2880
+"""Chords of the path in each turn: of a path 1 m long each is a third of a millimetre."""
 
 NOT_JUDGED = (
     TrainCondition("forces", None, "torque and forces need masses"),
@@ -87,7 +87,7 @@ def told_of(
         conditions += condition
     unknown: tuple[TrainCondition, ...] = NOT_JUDGED
     if loads is not None:
-        load_rows, load_figures, unknown = _of_loads(*loads)
+        load_rows, load_figures, unknown = _of_loads(train, *loads)
         rows += load_rows
         figures |= load_figures
     inside = "planets in a ring" if idler == "ring" else f"{idler} idler"
@@ -116,16 +116,18 @@ FELT, GRAVITY_M_S2 = 1e-3, 9.80665
 
 
 def _of_loads(
-    loads: TrainLoads,
-    joints: TrainForces,
+    train: Train, loads: TrainLoads, joints: TrainForces
 ) -> tuple[list[tuple[str, str]], dict[str, Any], tuple[TrainCondition, ...]]:
-    """The torque of the carrier, the forces of teeth, axes and frame, and whether a counterweight helps."""
-    low, high = loads.swing_n_m
+    """The torques of carrier and sun, the forces of teeth, axes and frame, and whether a counterweight helps."""
+    torque = carrier_torque_n_m(train, loads, joints)
+    low, high = float(torque.min()), float(torque.max())
+    suns = {name: (float(each.min()), float(each.max())) for name, each in joints.driven_n_m.items()}
     teeth, axes = joints.largest_n()
     now, left = float(np.abs(loads.force_n).max()), float(np.abs(loads.left_n).max())
     weight, where = abs(loads.counterweight_kg_mm), float(np.degrees(np.angle(loads.counterweight_kg_mm)))
     rows = [
         ("torque of the carrier", f"{low:.4g} to {high:.4g} N m at even speed, without friction"),
+        *((f"torque of the {name}", f"{least:.4g} to {most:.4g} N m") for name, (least, most) in suns.items()),
         *(
             (where, "; ".join(f"{name} {most:.4g} N" for name, most in forces.items()) + " at most")
             for where, forces in (("between teeth", teeth), ("on the axes", axes))
@@ -137,7 +139,12 @@ def _of_loads(
         "mass_kg": loads.mass_kg,
         "torque_min_n_m": low,
         "torque_max_n_m": high,
-        "torque_mean_n_m": float(loads.torque_n_m.mean()),
+        "torque_mean_n_m": float(torque.mean()),
+        **{
+            f"{name}_torque_{end}_n_m": value
+            for name, ends in suns.items()
+            for end, value in zip(("min", "max"), ends, strict=True)
+        },
         "tooth_forces_max_n": teeth,
         "axis_forces_max_n": axes,
         "shaking_force_max_n": now,
@@ -155,11 +162,23 @@ def _of_loads(
     return rows, figures, (balance, forces)
 
 
+def carrier_torque_n_m(train: Train, loads: TrainLoads, joints: TrainForces) -> Array:
+    """The torque of the carrier at the driving angles of its loads, shape (n,), without what bodies of the frame bear.
+
+    Virtual work gives the torque of all that is driven, each times its speed over that of the driving part.
+    """
+    torque, turns = loads.torque_n_m, train.poses_at(np.array([0.0, train.cycle_rad])).angle_rad
+    for name, driven in joints.driven_n_m.items():
+        start, end = turns[train.number(name)]
+        torque = torque - float(end - start) / train.cycle_rad * driven
+    return torque
+
+
 def _of_path(
     train: Train, wished: WishedPath | None, forward_mm_s: float
 ) -> tuple[list[tuple[str, str]], dict[str, Any], list[TrainCondition]]:
     trace = train.traces[0]
-    angles = np.linspace(0.0, train.cycle_rad, PATH_POINTS)
+    angles = np.linspace(0.0, train.cycle_rad, PATH_POINTS * train.turns + 1)
     path = train.trace_mm(trace, angles)
     places = as_complex(path)
     arm = float(np.hypot(*trace.at_mm))

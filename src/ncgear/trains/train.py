@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import field, replace
 from functools import cached_property
+from math import pi
 from typing import Any
 
 import numpy as np
@@ -143,7 +144,8 @@ class Train:
 
     ``poses_at`` gives the poses at driving angles in rad, shape (n,).  ``driving`` names the part whose turning is the
     driving angle, or which is turned by a shaft whose turning it is; ``speed_rpm`` is its mean speed.  After
-    ``cycle_rad`` all parts stand as at first, but for whole turns or for turns by whole periods of their teeth.
+    ``cycle_rad`` all parts stand as at first, but for whole turns or for turns by whole periods of their teeth; all
+    meshes come round ``repeats`` times in it.
     ``tolerance_mm`` is the largest deviation of outlines from the exact curves.
     """
 
@@ -156,6 +158,7 @@ class Train:
     tolerance_mm: float
     told: TrainFigures
     traces: tuple[Trace, ...] = ()
+    repeats: int = 1
 
     def __post_init__(self) -> None:
         names = [part.name for part in self.parts]
@@ -177,6 +180,12 @@ class Train:
         while part.fixed_to in names:
             part = self.part(part.fixed_to)
         return part.fixed_to or part.name
+
+    @property
+    def turns(self) -> int:
+        """Whole turns of the driving angle in a cycle, at least 1, of each of which curves and pictures have as many
+        points."""
+        return max(1, round(self.cycle_rad / (2.0 * pi)))
 
     @cached_property
     def alike(self) -> dict[str, str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from fractions import Fraction
 from math import cos, degrees, pi, radians
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
@@ -139,8 +140,15 @@ class Planetary(RatedTrain):
                     yield fault(key, f"given, but {why}; leave it out")
 
     def _masses_come_back(self) -> Faults:
-        if self.masses is not None and self.sun_turns != 0.0:
-            yield fault("masses", "given, but forces are those about a sun that stands; leave out masses or sun_turns")
+        from ncgear.trains.planetary import MOST_TURNS, whole_turns
+
+        if self.masses is not None and whole_turns(self.sun_turns) is None:
+            near = Fraction(self.sun_turns).limit_denominator(MOST_TURNS)
+            yield fault(
+                "sun_turns",
+                f"{self.sun_turns:.10g} given, but with masses the sun must have made whole turns within {MOST_TURNS} "
+                f"turns of the carrier: {float(near):.10g}, which is {near}, is right",
+            )
         if self.masses is not None and self.masses.tool_kg and self.arm_mm is None and self.path is None:
             yield fault("masses.tool_kg", "given, but there is no arm that carries it; give arm_mm, or leave it out")
 
@@ -185,6 +193,9 @@ class Planetary(RatedTrain):
         """
         if self.idler == "ring":
             return None
+        if self.masses is not None and self.sun_turns != 0.0:
+            problem = "given, but about a sun that turns the loads of teeth by masses change from turn to turn"
+            raise WrongInput(f"{problem}; resistance, or a sun that stands, is right", key="train.masses")
         path = self._sought()
         made = with_sound_bodies(self._train(*path))
         given = self.model_dump(by_alias=True, exclude_unset=True)
