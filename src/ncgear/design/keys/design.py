@@ -11,6 +11,7 @@ from pydantic import Field, PrivateAttr, TypeAdapter, create_model
 
 from ncgear.design.keys.base import FILE_FORMAT, Faults, FileFormat, Model, counts, fault, given, optional, required
 from ncgear.design.keys.drivetrain import Drivetrain, NamedShaft, bodies_on, named_shafts, shaft_faults
+from ncgear.design.keys.gear_rows import row_faults
 from ncgear.design.keys.gears import SIZES, Gears
 from ncgear.design.keys.machine import Comparison, Fit, Linkage, NoLinkage, Operation, Output, Resistance
 from ncgear.design.keys.masses import Masses, Simulation, shafts_counted
@@ -39,13 +40,6 @@ else:
             discriminator="law", description="how the slider moves, or how the ratio runs; `law` says which law it is"
         ),
     ]
-
-
-OFFERED = {
-    **dict.fromkeys(("gears.driven", "gears.material"), ", but the same for both gears"),
-    "gears.rack.idle_pressure_angle_deg": ", where both flanks of an idler push",
-}
-"""What is offered in place of keys that a row of gears refuses, or why it refuses them."""
 
 
 class Design(Model, Shown):
@@ -302,53 +296,15 @@ class Design(Model, Shown):
             said = f"{lobes[0]}:{lobes[1]} given, but {COUNTS[stages]} stages have one lobe each; leave it out"
             yield fault("gears.lobes", said)
 
-    def _idlers_are_plain_gears(self) -> Faults:
-        """A row has gears of one kind: the keys of one pair that have no meaning for an idler are refused."""
-        gears = self.gears
-        if gears is None or gears.idlers is None:
-            return
-        material, driving, driven = gears.material, gears.driving.model_dump(), gears.driven.model_dump()
-        asked = {
-            "motion.law": self.motion.is_open or self.motion.pairs_in_series > 1,
-            "strength.overload": self.strength.overload is not None,
-            "drivetrain": self.drivetrain is not None,
-            "gears.pairs": gears.pairs > 1,
-            "gears.mesh": gears.mesh != "external",
-            "gears.helix": gears.helix is not None,
-            "gears.housing": gears.housing is not None,
-            "gears.method": gears.method != "exact",
-            "gears.index_holes": gears.index_holes,
-            "gears.backlash_deg": gears.backlash_deg is not None,
-            "gears.rack.idle_pressure_angle_deg": gears.rack.angles_deg[0] != gears.rack.angles_deg[1],
-            "gears.profile_shift": gears.profile_shift != type(gears.profile_shift)(),
-            "gears.cutter": gears.cutter != type(gears.cutter)(),
-            "gears.tolerances.tooth_thickness_upper_mm": gears.tolerances.tooth_thickness_upper_mm is not None,
-            "gears.driven": any(driven[name] != value for name, value in driving.items()),
-            "gears.material": material is not None and material.each[0] != material.each[1],
-        }
-        for key in (key for key, is_given in asked.items() if is_given):
-            said = f"not offered for a row of gears with idlers{OFFERED.get(key, '')}"
-            yield fault(key, f"{said}; leave it out, or gears.idlers")
-
     @property
     def prescribes_row(self) -> bool:
         """Whether the law is that of the last gear of a row, from which that of its first pair is found."""
         idlers = self.gears.idlers if self.gears else None
         return idlers is not None and (idlers.law_of == "row" or self.motion.gives_slider)
 
-    def _a_row_has_one_law(self) -> Faults:
-        if self.gears is None or (idlers := self.gears.idlers) is None:
-            return
-        lobes = self.gears.lobes.driving, self.gears.lobes.driven, *idlers.lobes
-        given = f"{':'.join(map(str, lobes))} in all"
-        if not isinstance(self.linkage, NoLinkage) and {*lobes} != {1}:
-            yield fault("gears.idlers.lobes", f"{given}, but a row that moves a mechanism has one lobe each")
-        if idlers.law_of == "first_pair" and self.motion.gives_slider:
-            said = f"first_pair given, but {self.motion.law} tells how the slider moves; row is right"
-            yield fault("gears.idlers.law_of", said)
-        if self.prescribes_row and lobes != (1, 1, 1):
-            said = "but one idler, with one lobe of each gear, makes a law of the last gear; [1] is right"
-            yield fault("gears.idlers.lobes", f"{given}, {said}")
+    def _a_row_is_offered(self) -> Faults:
+        if self.gears is not None and self.gears.idlers is not None:
+            yield from row_faults(self, self.gears, self.gears.idlers)
 
     def _shared_out(self) -> Faults:
         if self.gears is None:
