@@ -53,6 +53,11 @@ MOTIONS = {
     "driven_range_deg: 250}\n",
     "two stages": MACHINE
     + "motion: {law: harmonic_ratio, cosine: [-0.2, 0.05], sine: [0.1], second_stage: {sine: [0.1, 0.03]}}\n",
+    "series in series": ALONE
+    + "motion: {law: in_series, pairs: [{law: harmonic_ratio, sine: [0.2]}, {law: harmonic_ratio, cosine: [0.1]}]}\n",
+    "series in a row": ALONE
+    + "motion: {law: harmonic_ratio, cosine: [0.2, 0.1]}\n"
+    + "gears: {teeth: 40, module_mm: 2, face_width_mm: 9, idlers: {lobes: [1]}}\n",
     "lobes": ALONE
     + "motion: {law: ellipse, eccentricity: 0.3, phase_deg: 20}\n"
     + "gears: {lobes: {driving: 2, driven: 3}, teeth: 40, module_mm: 2, face_width_mm: 9, "

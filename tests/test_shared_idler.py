@@ -18,7 +18,8 @@ from pydantic import ValidationError
 
 from drives import DESIGNS, drive_of_text
 from ncgear.design.trains.planetary import Planetary
-from ncgear.errors import DesignError, NoSuchMechanism
+from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
+from ncgear.project.law_task import task_of
 from ncgear.project.strengthening import rating_of
 from ncgear.ratio.laws.harmonic import harmonic_law
 from ncgear.ratio.laws.row import row_angle, row_laws
@@ -222,3 +223,10 @@ def test_rows_that_make_no_such_law_are_refused_by_their_key(motion: str, more: 
     with pytest.raises(DesignError, match=said) as refused:
         _ = drive_of_text(MACHINE.format(motion=motion, more=more)).law
     assert refused.value.key == key
+
+
+def test_a_best_law_is_not_sought_for_a_row_which_would_make_another() -> None:
+    drive = drive_of_text(MACHINE.format(motion="{law: ellipse, eccentricity: 0.2}", more=", idlers: {lobes: [1]}"))
+    with pytest.raises(WrongInput, match="law_of: row in the file") as refused:
+        task_of(drive.design, drive.train_inertia)
+    assert refused.value.key == "gears.idlers"

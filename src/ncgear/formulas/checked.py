@@ -11,7 +11,7 @@ import numpy as np
 import sympy
 
 from ncgear.errors import Unanswered
-from ncgear.formulas.laws import NoFormula, Sizes, mechanism, pieces_of
+from ncgear.formulas.laws import NoFormula, Sizes, is_first_of_two, mechanism, pieces_of
 from ncgear.formulas.written import QUANTITIES, WrittenPiece, symbol
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.driven_shaft import DrivenShaft
@@ -80,7 +80,7 @@ def formulas_of(name: str, kind: str, law: Law, sizes: Sequence[Sizes | None]) -
     sections = [_section("law", whole, whole, linkage, (sizes[0] or Sizes()) if len(pairs) == 1 else None)]
     if len(pairs) > 1:
         for number, (pair, size) in enumerate(zip(pairs, sizes, strict=True)):
-            over = pair.transmission if number else whole
+            over = whole if is_first_of_two(pair.transmission.pieces) else pair.transmission
             sections.append(_section(f"stage {number + 1}", pair.transmission, over, None, size or Sizes()))
     unit = ""
     if not isinstance(linkage, DrivenShaft):

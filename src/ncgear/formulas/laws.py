@@ -92,6 +92,11 @@ def pieces_of(pieces: tuple[Piece, ...], linkage: Mechanism | None, sizes: Sizes
             yield _whole(part, linkage, sizes)
 
 
+def is_first_of_two(pieces: tuple[Piece, ...]) -> bool:
+    """Whether a law is that of the first of two pairs, which is written over the angle of the crank."""
+    return _made_by(pieces[0].driven_angle)[0] is StagedLaw.shaft_angle
+
+
 def _made_by(turned: JetFunction) -> tuple[Any, tuple[Any, ...]]:
     """The function that gives a driven angle, and the arguments bound to it."""
     if isinstance(turned, partial):

@@ -48,6 +48,11 @@ def task_of(design: Design, gears: TrainInertia) -> task.Task:
             "out, and give it in the file that is written",
             key="gears.pairs",
         )
+    if design.gears is not None and design.gears.idlers is not None:
+        raise WrongInput(
+            "given, but a best law is for one pair: leave it out, and give it with law_of: row in the file that is written",
+            key="gears.idlers",
+        )
     linkage, given, limits = mechanism_of(design.linkage), design.masses, (design.optimize or Optimize()).limits
     if not linkage.RETURNS:
         problem = f"{linkage.NAME} moves nothing to and fro, and the search for a best law takes strokes only"
@@ -127,11 +132,11 @@ def drive_with(design: Design, motion: LawKeys) -> Drive:
 def inertia_as_given(design: Design) -> TrainInertia:
     """The moments of inertia of a design's gears with its own law.
 
-    Round gears are taken where the law cannot be made, and where the law is for one pair and two pairs are searched.
+    Round gears are taken where the law cannot be made, and where it is for more or fewer pairs than are searched.
     """
     pairs = design.optimize.limits.stages if design.optimize else 1
     even = even_motion(pairs)
-    if pairs > design.stages:
+    if pairs != design.stages:
         return inertia_with(design, even)
     try:
         return inertia_with(design, design.motion)
