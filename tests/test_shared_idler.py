@@ -227,6 +227,6 @@ def test_rows_that_make_no_such_law_are_refused_by_their_key(motion: str, more: 
 
 def test_a_best_law_is_not_sought_for_a_row_which_would_make_another() -> None:
     drive = drive_of_text(MACHINE.format(motion="{law: ellipse, eccentricity: 0.2}", more=", idlers: {lobes: [1]}"))
-    with pytest.raises(WrongInput, match="law_of: row in the file") as refused:
+    with pytest.raises(WrongInput, match="law_of: row, in the file") as refused:
         task_of(drive.design, drive.train_inertia)
     assert refused.value.key == "gears.idlers"

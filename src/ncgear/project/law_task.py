@@ -50,7 +50,8 @@ def task_of(design: Design, gears: TrainInertia) -> task.Task:
         )
     if design.gears is not None and design.gears.idlers is not None:
         raise WrongInput(
-            "given, but a best law is for one pair: leave it out, and give it with law_of: row in the file that is written",
+            "given, but a best law is for one pair: leave it out, and give it, with law_of: row, in the file that is "
+            "written",
             key="gears.idlers",
         )
     linkage, given, limits = mechanism_of(design.linkage), design.masses, (design.optimize or Optimize()).limits
