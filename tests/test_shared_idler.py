@@ -73,7 +73,7 @@ def composed_law(first: Transmission, bend_rad: float) -> Transmission:
 @pytest.mark.parametrize("bend_deg", [0.0, 40.0])
 def test_bends_of_simple_fractions_of_a_turn_are_refused(bend_deg: float) -> None:
     law = harmonic_law(np.array([0.3, 0.2, 0.1]), np.array([0.1, -0.2]), Lobes())
-    with pytest.raises(NoSuchMechanism, match=f"turns by {bend_deg:g} degrees; .* 42.492 degrees"):
+    with pytest.raises(NoSuchMechanism, match=f"turns by {bend_deg:g} degrees; 42.492 degrees"):
         shared_by_idler(law, pi + np.radians(bend_deg), "k")
 
 

@@ -93,9 +93,11 @@ def shared_by_idler(whole: Transmission, beta_rad: float, key: str) -> SharedIdl
 
 def _not_made(beta_rad: float, key: str) -> NoSuchMechanism:
     bend, golden = degrees(abs(pi - beta_rad % (2.0 * pi))), degrees(pi - GOLDEN_RAD)
-    right = "a law that is more even is right"
+    right = "a law that is more even is right, or the same bend to the other side"
     if abs(bend - golden) > 1e-3:
-        right += f", or {golden:.3f} degrees to either side, by the golden section of a turn"
+        right = (
+            f"{golden:.3f} degrees to either side is right, by the golden section of a turn, or a law that is more even"
+        )
     return NoSuchMechanism(
         f"no idler makes this law where the line of centres turns by {bend:.6g} degrees; {right}", key=key
     )
