@@ -55,13 +55,14 @@ CHAINS: list[dict[str, Any]] = [
 @at_once("keys", CHAINS)
 def test_the_last_gear_turns_as_the_planet_does_against_the_carrier(tmp_path: Path, keys: dict[str, Any]) -> None:
     drive, train = machine_of(tmp_path, **keys), planetary(**keys)
-    driving = np.linspace(0.0, train.cycle_rad, 13)
+    cycle_rad = train.cycle_rad / train.repeats
+    driving = np.linspace(0.0, cycle_rad, 13)
     poses, carrier = train.poses_at(driving), train.number("carrier")
     planet = next(number for number, part in enumerate(train.parts) if part.name.startswith("planet"))
     turned = poses.angle_rad[planet] - poses.angle_rad[carrier]
-    u = driving * 2.0 * np.pi / train.cycle_rad
+    u = driving * 2.0 * np.pi / cycle_rad
     assert drive.transmission.driven_angle(u).value == pytest.approx(turned[0] - turned, abs=1e-9)
-    sun = np.ptp(poses.angle_rad[0] - poses.angle_rad[carrier]) / train.cycle_rad
+    sun = np.ptp(poses.angle_rad[0] - poses.angle_rad[carrier]) / cycle_rad
     assert drive.machine.speed_rad_s == pytest.approx(sun * 2.0 * np.pi * train.speed_rpm / 60.0, rel=1e-12)
 
 

@@ -96,7 +96,7 @@ def meshes_picture(train: Train, outlines_mm: Mapping[str, Array], title: str) -
         canvas.Margins(left=0.5, right=0.1, bottom=0.5, top=0.8),
         hspace=0.35,
     )
-    poses = train.poses_at(np.zeros(1))
+    poses = train.assembled
     for place, mesh in enumerate(meshes, start=1):
         axes = made.add_subplot(rows, columns, place)
         said = []

@@ -137,7 +137,7 @@ def _circle(diameter_mm: float, tolerance_mm: float) -> ComplexArray:
 
 def _threemf(train: Train, made: Mapping[str, Trimesh]) -> bytes:
     """All parts in one file for slicers, as assembled at the driving angle 0."""
-    poses = train.poses_at(np.zeros(1))
+    poses = train.assembled
     bodies = [
         PlacedBody(
             part.name,

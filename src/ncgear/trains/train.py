@@ -188,6 +188,11 @@ class Train:
         return max(1, round(self.cycle_rad / (2.0 * pi)))
 
     @cached_property
+    def assembled(self) -> Poses:
+        """The poses at the driving angle 0, in which the train is put together."""
+        return self.poses_at(np.zeros(1))
+
+    @cached_property
     def alike(self) -> dict[str, str]:
         """The name of the first part that has the same body, by the name of each part."""
         firsts: dict[object, str] = {}

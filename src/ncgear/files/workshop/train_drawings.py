@@ -105,13 +105,13 @@ def _equals(train: Train, part: Part) -> list[str]:
 
 def _angle(train: Train, name: str) -> str:
     """The angle in degrees at which a part stands as the train is assembled, from 0 to 360."""
-    turned = degrees(float(train.poses_at(np.zeros(1)).angle_rad[train.number(name), 0]))
+    turned = degrees(float(train.assembled.angle_rad[train.number(name), 0]))
     return f"{round(turned, 3) % 360.0:.3f}"
 
 
 def facings(train: Train, name: str) -> Iterator[MateFacing]:
     """The mates of a gear at the driving angle 0; the gear in a ring faces away from the ring's axis."""
-    poses = train.poses_at(np.zeros(1))
+    poses = train.assembled
     for mesh in train.meshes:
         if name not in (mesh.first, mesh.second):
             continue
@@ -214,7 +214,7 @@ def _draw(board: Board, drawing: Drawing, view: PaperView, pen: Pen, name: str) 
 
 def _assembly_sheet(name: str, train: Train, drawings: Mapping[str, Drawing]) -> Sheet:
     """All parts at the driving angle 0, with their places, angles and heights."""
-    poses = train.poses_at(np.zeros(1))
+    poses = train.assembled
     at = [np.array([poses.x_mm[number, 0], poses.y_mm[number, 0]]) for number in range(len(train.parts))]
     rows = []
     for number, part in enumerate(train.parts):
