@@ -8,12 +8,19 @@ from typing import Any
 
 import numpy as np
 import pytest
+from mpmath import mp
+from scipy.interpolate import BSpline
 
 from at_once import at_once
 from ncgear.drawings.scene.geared_pairs import SceneGear
+from ncgear.dynamics.driven_side import Ways
 from ncgear.errors import WrongInput
 from ncgear.figures.wished import _even
+from ncgear.files.workshop.step import _through
+from ncgear.optimum.certified.cycle import _turns_of_load
+from ncgear.optimum.makeable.search import goal_weights
 from ncgear.optimum.outline.nearest import _steepness
+from ncgear.pitch.lobed import _polar_path
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.project import sizing
 from ncgear.screening import overview
@@ -114,3 +121,67 @@ def test_of_two_laws_under_a_cap_the_law_of_less_flank_load_is_kept(monkeypatch:
     monkeypatch.setattr(laws, "start_motion", lambda *_: None)
     found = laws._Search.laws(search)
     assert [(one.found.peak_power_w, one.flank_load_n_mm) for one in found] == [(1.0, 60.0), (2.0, 42.0), (3.0, 28.0)]
+
+
+@pytest.mark.judges("pitch")
+def test_a_polar_path_has_the_derivatives_of_its_points() -> None:
+    """r = 3 + cos 2t at the angle t + 0.2 sin t, differentiated as complex functions by 40 digits."""
+    at = np.array([0.3, 1.9, 4.4])
+    radius = 3.0 + np.cos(2.0 * at), -2.0 * np.sin(2.0 * at), -4.0 * np.cos(2.0 * at)
+    turned = at + 0.2 * np.sin(at), 1.0 + 0.2 * np.cos(at), -0.2 * np.sin(at)
+    found = _polar_path(radius, *turned)
+    with mp.workdps(40):
+        for order, values in enumerate(found):
+            for place, value in zip(at.tolist(), values.tolist(), strict=True):
+                wanted = mp.diff(lambda t: (3 + mp.cos(2 * t)) * mp.expj(t + mp.mpf("0.2") * mp.sin(t)), place, order)
+                assert value == pytest.approx(complex(wanted), rel=1e-12)
+
+
+@pytest.mark.judges("optimum")
+def test_turns_of_the_load_come_with_the_largest_force_first() -> None:
+    """Turns at 10 and 30 mm of the way out with 5 and 50 N, at 20 mm of the way back with 20 N."""
+    load = Made(
+        turns_mm=lambda _, back: np.array([20.0] if back else [10.0, 30.0]),
+        against_n=lambda at, back: np.array([20.0]) if back else at * at / 18.0,
+    )
+    linkage = Made(stroke_mm=40.0, crank_angle=lambda at, back: at / 100.0 + np.where(back, 3.0, 0.0))
+    assert _turns_of_load(Made(load=load, linkage=linkage)) == pytest.approx([0.3, 3.2, 0.1])
+    still = Made(turns_mm=lambda *_: np.array([]), against_n=None)
+    assert _turns_of_load(Made(load=still, linkage=linkage)) == []
+
+
+@pytest.mark.judges("optimum")
+def test_a_level_costs_its_weight_and_its_share_of_the_goal() -> None:
+    levels = [Made(weight=2.0, share_of_goal=0.0), Made(weight=0.5, share_of_goal=0.1)]
+    assert goal_weights(levels, 30.0) == pytest.approx([2.0, 3.5])
+
+
+@pytest.mark.judges("dynamics")
+@at_once(
+    ("phi1", "number", "row"),
+    [(1.0, 0, 0), (1.19, 0, 1), (1.2, 0, 2), (1.999, 0, 4), (2.05, 1, 0), (5.55, 4, 3)],
+)
+def test_a_place_of_ways_is_the_last_one_up_to_an_angle(phi1: float, number: int, row: int) -> None:
+    """Ways of 1 rad from 1 rad on, each with places 0, 0.1, 0.2 and on from 0.2 rad."""
+    ways = Ways(lambda begin, end: Made(phi1_rad=begin + np.array([0.0, 0.1, 0.2, 0.5, 0.9])), 1.0, 1.0)
+    assert ways.place(phi1) == (number, row)
+
+
+@pytest.mark.judges("files")
+def test_a_spline_of_a_file_has_the_points_and_tangents_of_its_curve() -> None:
+    """A circle of 5 mm by its arc length; scipy's B-spline of the same knots and poles is differentiated."""
+    curve: Any = Made(
+        at_length=lambda s: Made(
+            position=5.0 * np.column_stack([np.cos(s / 5.0), np.sin(s / 5.0)]),
+            tangent=np.column_stack([-np.sin(s / 5.0), np.cos(s / 5.0)]),
+        )
+    )
+    knots = np.array([0.0, 1.0, 2.5, 3.0])
+    made = _through(curve, knots)
+    spline = BSpline(made.knots, made.poles_mm, 3)
+    assert spline(knots) == pytest.approx(curve.at_length(knots).position, abs=1e-12)
+    inner = knots[:-1]
+    assert spline(inner, 1) == pytest.approx(curve.at_length(inner).tangent, abs=1e-12)
+    between = np.array([0.4, 1.7, 2.8])
+    # h^4 / 384 of the fourth derivative, 1/125 per mm, of the longest span
+    assert spline(between) == pytest.approx(curve.at_length(between).position, abs=1.5**4 / 384.0 / 125.0 * 1.1)
