@@ -299,6 +299,7 @@ def test_a_swinging_arm_needs_the_torque_of_newton_and_euler(sense: float) -> No
     train: Any = Made(
         speed_rpm=speed * 30.0 / pi,
         cycle_rad=2.0 * pi,
+        repeats=1,
         parts=parts,
         driving="wheel",
         poses_at=poses_at,

@@ -282,7 +282,9 @@ def test_planets_stand_on_their_carrier_and_turn_by_their_law(clockwise: bool, s
     ]
     assert made.part("sun").fixed_to == (GROUND if sun_turns == 0.0 else "")
     assert (made.part("planet_2").fixed_to, made.part("arm_1").fixed_to) == ("idler_2", "planet_1")
-    assert made.cycle_rad == pytest.approx(2.0 * pi / (1.0 - sun_turns))
+    # A turn of the carrier against the sun, three of which are two turns of the carrier and one of the sun back
+    assert made.cycle_rad == pytest.approx(2.0 * pi / (1.0 - sun_turns) * made.repeats)
+    assert made.repeats == (1 if sun_turns == 0.0 else 3)
     if not clockwise:
         lows = [made.part(name).low_mm for name in ("sun", "idler_1", "planet_1", "arm_1", "carrier")]
         step = 8.0 + GAP_MM
