@@ -4,6 +4,7 @@ eccentricity, and each pair is the pair that a file with its law alone has."""
 from __future__ import annotations
 
 from functools import cache
+from operator import itemgetter
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,11 @@ import pytest
 from drives import drive_of_text
 from ncgear.design.reading.design_file import load
 from ncgear.errors import DesignError, WrongInput
+from ncgear.figures.answers.machine import _gears_of_all, _ratios
+from ncgear.figures.numbers import to_digits
 from ncgear.project.drive import Drive
+from ncgear.project.strengthening import rating_of
+from ncgear.strength.holding import Damage
 
 MACHINE = """\
 name: series
@@ -130,3 +135,26 @@ def test_a_pair_may_have_its_points_in_a_file(tmp_path: Path) -> None:
     path.write_text(text(series(FIRST, drawn)))
     drive = Drive(load(path).design)
     assert machine_figures(drive) == pytest.approx(machine_figures(made(series(FIRST, SECOND))), rel=1e-4)
+
+
+@pytest.mark.slow
+def test_three_pairs_are_told_on_one_screen() -> None:
+    """The ratios and angles of all in a row each, what is alike once, and the least safety with its pair."""
+    drive = made(series(FIRST, SECOND, "{law: uniform_crank}"))
+    ratios = {row.name: row.texts[0] for row in _ratios(drive)}
+    assert ratios["ratio of each pair"] == "0.667 to 1.5; 0.739 to 1.35; 1 to 1"
+    assert ratios["greatest pressure angle"] == "31.5, 28.6, 20 deg, pair by pair"
+    told = {row.name: row.texts[0] for row in _gears_of_all(drive)}
+    assert told["teeth"].startswith("40 : 40, module 2 mm")
+    assert [name for name in told if name.endswith("centre distance")] == [
+        f"stage {number}: centre distance" for number in (1, 2, 3)
+    ]
+    weakest = [
+        (each.safety / each.wanted, number, each)
+        for number, stage in enumerate(drive.by_stage, 1)
+        for each in rating_of(stage).weakest
+    ]
+    for damage in Damage:
+        _, number, least = min((one for one in weakest if one[2].damage is damage), key=itemgetter(0))
+        assert f"against {damage.words} in stage {number}" in told["safety"]
+        assert f"{to_digits(least.safety, 3)} against {damage.words}" in told["safety"]

@@ -41,8 +41,9 @@ def check_answer(drive: Drive, verdict: Verdict, file: str, notes: tuple[str, ..
 
 def build_answer(drive: Drive, verdict: Verdict, then: str, notes: tuple[str, ...] = ()) -> Answer:
     """What a build found; ``verdict`` is the verdict on all pairs, ``then`` is what to do next."""
-    gears = [gear for pair in drive.by_stage for gear in _gears(pair)]
-    return _answer(drive, (*gears, *_published(drive), *_motion(drive), *_ratios(drive)[:1]), verdict, then, notes)
+    return _answer(
+        drive, (*_gears_of_all(drive), *_published(drive), *_motion(drive), *_ratios(drive)[:1]), verdict, then, notes
+    )
 
 
 def _answer(drive: Drive, rows: tuple[Row, ...], verdict: Verdict, then: str, notes: tuple[str, ...]) -> Answer:
@@ -142,13 +143,25 @@ def _motion(drive: Drive) -> list[Row]:
 
 
 def _ratios(drive: Drive) -> list[Row]:
-    """The ratio; where there are two pairs of gears, also the ratio and the greatest pressure angle of each pair."""
+    """The ratio; where there are pairs in series, also the ratio and the greatest pressure angle of each pair."""
     rows, key = [Row("ratio", (_ratio(drive.transmission),))], "max_pressure_angle_deg"
-    for stage, pair in stages_summary(drive).get("stages", {}).items():
+    stages = stages_summary(drive).get("stages", {})
+    if len(stages) > FEW_STAGES:
+        ranges = [f"{to_digits(pair['ratio_min'], 3)} to {to_digits(pair['ratio_max'], 3)}" for pair in stages.values()]
+        rows.append(Row("ratio of each pair", ("; ".join(ranges),)))
+        angles = [to_digits(pair[key], 3) for pair in stages.values() if key in pair]
+        if angles:
+            rows.append(Row(name_of(key), (f"{', '.join(angles)} deg, pair by pair",)))
+        return rows
+    for stage, pair in stages.items():
         angle = f", {name_of(key)} {figure(key, pair[key])}" if key in pair else ""
         ratio = f"ratio {shown(pair['ratio_min'])} to {shown(pair['ratio_max'])}"
         rows.append(Row(stage.replace("_", " "), (ratio + angle,)))
     return rows
+
+
+FEW_STAGES = 2
+"""Most pairs of which each has rows of its own: more of them would fill a screen."""
 
 
 def _ratio(transmission: Transmission) -> str:
@@ -176,6 +189,36 @@ def _gears(drive: Drive) -> list[Row]:
         held = [f"{safety} against {damage} ({wanted} wanted)" for damage, safety, wanted in found]
         rows = {"safety": ", ".join(held) or "not judged", **rows}
     return [Row(drive.of + name, (text,)) for name, text in rows.items()]
+
+
+def _gears_of_all(drive: Drive) -> list[Row]:
+    """The rows of each pair; of many pairs the least safety of all and what they have alike are told once."""
+    if len(drive.by_stage) <= FEW_STAGES:
+        return [gear for pair in drive.by_stage for gear in _gears(pair)]
+    rows = [Row("safety", (told,)) for told in [_least_safety(drive)] if told]
+    each = [gear_rows(pair) for pair in drive.by_stage]
+    for name in each[0]:
+        if len({of[name] for of in each}) == 1:
+            rows.append(Row(name, (each[0][name],)))
+        else:
+            rows += [Row(pair.of + name, (of[name],)) for pair, of in zip(drive.by_stage, each, strict=True)]
+    return rows
+
+
+def _least_safety(drive: Drive) -> str:
+    """The least safety of all pairs against each kind of damage with its pair; empty where no load is known."""
+    least: dict[str, tuple[float, str]] = {}
+    for number, pair in enumerate(drive.by_stage, 1):
+        found = safeties(pair)
+        if found is None:
+            return ""
+        if not found:
+            return "not judged of every pair"
+        for damage, safety, wanted in found:
+            share = float(safety.removeprefix("about ")) / float(wanted)
+            said = share, f"{safety} against {damage} in stage {number} ({wanted} wanted)"
+            least[damage] = min(least.get(damage, said), said)
+    return ", ".join(said for _, said in least.values())
 
 
 def gear_rows(drive: Drive) -> dict[str, str]:
